@@ -1,0 +1,4 @@
+//! x
+/// placeholder
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dimension;
