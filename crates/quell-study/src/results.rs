@@ -1,0 +1,179 @@
+//! `results.json`: the stable, documented record of a run.
+//!
+//! Every number is SI (rad, rad/s; frequencies under keys that end in `_hz`); `unit` is that SI unit.
+//! A number that could not be had is `null`, and the `status` beside it says why.
+
+use indexmap::IndexMap;
+use serde::Serialize;
+
+/// The version of this format; it changes only when a reader of the old one would be misled.
+pub const FORMAT: u32 = 1;
+
+/// The whole of `results.json`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Results {
+    /// Version of the format, [`FORMAT`].
+    pub format: u32,
+    /// Which study it was.
+    pub study: StudyFacts,
+    /// What computed it.
+    pub engine: EngineFacts,
+    /// Results by task name, in the order of the study.
+    pub tasks: IndexMap<String, TaskResult>,
+}
+
+/// Which study was run.
+#[derive(Debug, Clone, Serialize)]
+pub struct StudyFacts {
+    /// The title in the file.
+    pub title: String,
+    /// BLAKE3 of everything that determines the results: study, host and matrix files.
+    pub hash: String,
+}
+
+/// What computed the results.
+#[derive(Debug, Clone, Serialize)]
+pub struct EngineFacts {
+    /// Version of Quell.
+    pub version: String,
+    /// Seed of the random streams.
+    pub seed: u64,
+    /// Threads used; the designs do not depend on it.
+    pub threads: usize,
+    /// Wall-clock time, s.
+    pub wall_seconds: f64,
+    /// Evaluations of candidates, all tasks together.
+    pub evaluations: u64,
+}
+
+/// The result of one task.
+#[derive(Debug, Clone, Serialize)]
+pub struct TaskResult {
+    /// `evaluate` or `design`.
+    pub kind: &'static str,
+    /// `done`, or `infeasible` where no design meets the constraints.
+    pub status: String,
+    /// What the task found; with a sweep, one for each point.
+    #[serde(flatten)]
+    pub body: TaskBody,
+}
+
+/// With or without a sweep.
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
+pub enum TaskBody {
+    /// No sweep.
+    Single(TaskFindings),
+    /// One entry for each point of the sweep.
+    Sweep {
+        /// The points, in the order of the sweep.
+        points: Vec<SweepPoint>,
+    },
+}
+
+/// One point of a sweep.
+#[derive(Debug, Clone, Serialize)]
+pub struct SweepPoint {
+    /// The swept parameters' values, SI.
+    pub at: IndexMap<String, f64>,
+    /// `done` or `infeasible`.
+    pub status: String,
+    /// What the task found there.
+    #[serde(flatten)]
+    pub findings: TaskFindings,
+}
+
+/// What a task found at one set of parameters.
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
+pub enum TaskFindings {
+    /// Of an `evaluate` task.
+    Evaluate {
+        /// By name of configuration.
+        configurations: IndexMap<String, ConfigurationResult>,
+    },
+    /// Of a `design` task.
+    Design {
+        /// By name of the reference.
+        references: IndexMap<String, ReferenceResult>,
+        /// Best first.
+        designs: Vec<DesignResult>,
+    },
+}
+
+/// A device as it was built.
+#[derive(Debug, Clone, Serialize, PartialEq)]
+pub struct DeviceResult {
+    /// The layout, in the device's own domain.
+    pub layout: String,
+    /// Values by name: design variables as the study calls them, and elements.
+    pub values: IndexMap<String, f64>,
+}
+
+/// One evaluated configuration.
+#[derive(Debug, Clone, Serialize, PartialEq)]
+pub struct ConfigurationResult {
+    /// By device name.
+    pub devices: IndexMap<String, DeviceResult>,
+    /// By criterion name.
+    pub criteria: IndexMap<String, f64>,
+    /// More on each criterion.
+    pub details: IndexMap<String, CriterionDetail>,
+}
+
+/// More on one value of a criterion.
+#[derive(Debug, Clone, Serialize, PartialEq)]
+pub struct CriterionDetail {
+    /// SI unit of the value.
+    pub unit: String,
+    /// Where the value is taken, Hz, for a peak over frequency.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_hz: Option<f64>,
+    /// The relative tolerance that the value is known to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub achieved_tolerance: Option<f64>,
+    /// `certified`, `computed`, or why there is no number.
+    pub status: String,
+}
+
+/// What designs are measured against.
+#[derive(Debug, Clone, Serialize)]
+pub struct ReferenceResult {
+    /// By device name.
+    pub devices: IndexMap<String, DeviceResult>,
+    /// By criterion name.
+    pub criteria: IndexMap<String, f64>,
+    /// More on each criterion.
+    pub details: IndexMap<String, CriterionDetail>,
+}
+
+/// One design of a shortlist.
+#[derive(Debug, Clone, Serialize)]
+pub struct DesignResult {
+    /// 1 is the best.
+    pub rank: usize,
+    /// By device name.
+    pub devices: IndexMap<String, DeviceResult>,
+    /// Value of the criterion that was minimised or maximised.
+    pub objective: f64,
+    /// By criterion name.
+    pub criteria: IndexMap<String, f64>,
+    /// More on each criterion.
+    pub details: IndexMap<String, CriterionDetail>,
+    /// By name of the reference: the relative improvement of the objective, positive is better.
+    pub improvement: IndexMap<String, f64>,
+    /// True where every constraint holds within the feasibility tolerance.
+    pub feasible: bool,
+    /// Largest relative violation of a constraint; 0 where feasible.
+    pub violation: f64,
+    /// Names of the variables that stand at a bound, with the side: `track1.dL = lower`.
+    pub active_bounds: Vec<String>,
+    /// Independent starts of the search.
+    pub starts: usize,
+    /// How many of them came within 1e-4 relative of the best objective.
+    pub starts_agreeing: usize,
+    /// Evaluations spent on this layout.
+    pub evaluations: u64,
+    /// How the search ended, in words.
+    pub status: String,
+}

@@ -1,0 +1,283 @@
+//! A study as validated: names resolved, shapes checked, amounts still waiting for the parameters of a sweep.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use indexmap::IndexMap;
+use quell_document::Source;
+use quell_expression::{Expression, Span, Unit};
+use quell_model::HostFile;
+use quell_network::{Domain, Kinds, Layout};
+use quell_search::Scale;
+
+use crate::amount::Amount;
+
+/// A study: host, what may be bolted on, what is computed, what hurts, and what is asked.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// The title in the file.
+    pub title: String,
+    /// The text, for messages.
+    pub source: Arc<Source>,
+    /// BLAKE3 of the study's and its host's texts and matrices, hexadecimal.
+    pub hash: String,
+    /// The folder that paths in the study are relative to.
+    pub folder: PathBuf,
+    /// The structure.
+    pub host: HostFile,
+    /// `parameters` of the study: they replace the host's.
+    pub overrides: IndexMap<String, Amount>,
+    /// Declared elements and components, by domain.
+    pub kinds: Declared,
+    /// Named sub-networks with design variables.
+    pub components: IndexMap<String, Component>,
+    /// What may be bolted on, and where.
+    pub devices: IndexMap<String, Device>,
+    /// Computations on the assembled system.
+    pub runs: IndexMap<String, Run>,
+    /// Numbers read from runs.
+    pub criteria: IndexMap<String, Criterion>,
+    /// What is asked.
+    pub tasks: Vec<Task>,
+    /// What the report shows beyond its defaults.
+    pub report: ReportWishes,
+}
+
+/// Kinds of branch that layouts may name, for each domain in use.
+#[derive(Debug, Clone, Default)]
+pub struct Declared {
+    /// The tables, one for each domain.
+    pub tables: Vec<(Domain, Kinds)>,
+}
+
+impl Declared {
+    /// The kinds of a domain.
+    pub fn of(&self, domain: Domain) -> Option<&Kinds> {
+        self.tables
+            .iter()
+            .find(|(known, _)| *known == domain)
+            .map(|(_, kinds)| kinds)
+    }
+}
+
+/// A named sub-network whose values follow from design variables.
+#[derive(Debug, Clone)]
+pub struct Component {
+    /// The domain of its layout.
+    pub domain: Domain,
+    /// Its layout, of plain elements.
+    pub layout: Layout,
+    /// Value of each element, by the element's name in the layout.
+    pub values: IndexMap<String, Amount>,
+    /// Its design variables.
+    pub variables: IndexMap<String, Bounds>,
+}
+
+/// The range of a design variable, as typed.
+#[derive(Debug, Clone)]
+pub struct Bounds {
+    /// Smallest value.
+    pub lower: Amount,
+    /// Largest value.
+    pub upper: Amount,
+    /// Scale on which it is searched; left out: logarithmic where both ends are positive and a decade or more apart.
+    pub scale: Option<Scale>,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// A place on the host and what stands there.
+#[derive(Debug, Clone)]
+pub struct Device {
+    /// Name of the host's port.
+    pub port: String,
+    /// Where the name of the port stands.
+    pub port_span: Span,
+    /// The domain in which its layout is written.
+    pub domain: Domain,
+    /// Piston area between a hydraulic layout and the mechanical port.
+    pub piston: Option<Amount>,
+    /// A layout with a slot in it; left out: the device is one slot.
+    pub layout: Option<Layout>,
+    /// Names of the slots in the layout.
+    pub slots: Vec<String>,
+    /// Values of the layout's own elements.
+    pub values: IndexMap<String, Amount>,
+    /// Where the device is declared.
+    pub span: Span,
+}
+
+/// One computation on the assembled system.
+#[derive(Debug, Clone)]
+pub enum Run {
+    /// Response to a harmonic input over frequency.
+    Frequency {
+        /// Name of the host's input.
+        input: String,
+        /// Where that name stands.
+        input_span: Span,
+        /// Lower and upper frequency; left out: all frequencies (norms only).
+        band: Option<(Amount, Amount)>,
+        /// One-sided spectrum of the input per Hz: an expression of `f` and parameters.
+        spectrum: Option<Amount>,
+        /// Where the run is declared.
+        span: Span,
+    },
+    /// Free modes.
+    Modes {
+        /// Only oscillatory modes count.
+        oscillatory: bool,
+    },
+}
+
+/// One number taken from a run.
+#[derive(Debug, Clone)]
+pub struct Criterion {
+    /// Name of the run.
+    pub run: String,
+    /// What it is: an expression over the run.
+    pub value: Expression,
+    /// The unit in which people read it.
+    pub unit: Option<(Unit, Span)>,
+    /// Relative tolerance of the value.
+    pub tolerance: f64,
+    /// Where the value stands.
+    pub span: Span,
+}
+
+/// Which way is good.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sense {
+    /// Small is good.
+    Minimise,
+    /// Large is good.
+    Maximise,
+}
+
+/// `criterion <= bound` or `criterion >= bound`.
+#[derive(Debug, Clone)]
+pub struct Constraint {
+    /// Name of the criterion.
+    pub criterion: String,
+    /// [`Sense::Minimise`] for `<=`, [`Sense::Maximise`] for `>=`.
+    pub sense: Sense,
+    /// The bound.
+    pub bound: Amount,
+}
+
+/// What is asked of the study.
+#[derive(Debug, Clone)]
+pub struct Task {
+    /// Its name.
+    pub name: String,
+    /// What is asked.
+    pub kind: TaskKind,
+    /// Repeated at every combination of these.
+    pub sweep: Vec<SweepAxis>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// The kinds of task.
+#[derive(Debug, Clone)]
+pub enum TaskKind {
+    /// Criteria of given configurations.
+    Evaluate(IndexMap<String, ConfigurationSpec>),
+    /// The best values of candidate layouts, ranked.
+    Design(Box<DesignTask>),
+}
+
+/// A design task.
+#[derive(Debug, Clone)]
+pub struct DesignTask {
+    /// The criterion.
+    pub objective: String,
+    /// Which way is good.
+    pub sense: Sense,
+    /// What must hold.
+    pub constraints: Vec<Constraint>,
+    /// Configurations by name, or layouts designed under the same bounds.
+    pub references: Vec<(String, Span)>,
+    /// For each slot, the layouts to try.
+    pub candidates: IndexMap<Slot, CandidateSet>,
+    /// Values that are not designed.
+    pub fixed: IndexMap<String, Amount>,
+    /// Ranges of the values that are.
+    pub bounds: IndexMap<String, Bounds>,
+    /// Independent starts for each layout; left out: chosen from the number of variables.
+    pub starts: Option<usize>,
+    /// Relative feasibility tolerance.
+    pub feasibility: f64,
+}
+
+/// Where a layout goes: a whole device, or a placeholder in a device's layout.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Slot {
+    /// Name of the device.
+    pub device: String,
+    /// Name of the placeholder in its layout.
+    pub placeholder: Option<String>,
+}
+
+/// Layouts to try in one slot.
+#[derive(Debug, Clone)]
+pub enum CandidateSet {
+    /// Named one by one.
+    Layouts(Vec<(Layout, Span)>),
+    /// All series-parallel layouts of a budget.
+    Budget {
+        /// What is enumerated, one entry for each number of branches.
+        enumerations: Vec<quell_network::Enumeration>,
+        /// Where it stands.
+        span: Span,
+    },
+}
+
+/// A configuration as typed: a layout for each slot, and values.
+#[derive(Debug, Clone)]
+pub struct ConfigurationSpec {
+    /// Layouts by slot; a device that is not named is left off.
+    pub layouts: IndexMap<Slot, (Layout, Span)>,
+    /// Values by name.
+    pub values: IndexMap<String, Amount>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// One swept parameter.
+#[derive(Debug, Clone)]
+pub struct SweepAxis {
+    /// The host's parameter.
+    pub parameter: String,
+    /// Where its name stands.
+    pub span: Span,
+    /// Its values.
+    pub values: SweepValues,
+}
+
+/// The values of a swept parameter.
+#[derive(Debug, Clone)]
+pub enum SweepValues {
+    /// From, to, number of points.
+    Range {
+        /// First value.
+        from: Amount,
+        /// Last value.
+        to: Amount,
+        /// Number of points, at least 2.
+        points: usize,
+        /// Spacing.
+        scale: Scale,
+    },
+    /// One by one.
+    List(Vec<Amount>),
+}
+
+/// What the report shows beyond its defaults.
+#[derive(Debug, Clone)]
+pub struct ReportWishes {
+    /// How many designs of a shortlist are printed and drawn large.
+    pub shortlist: usize,
+    /// Words above the results.
+    pub note: Option<String>,
+}
