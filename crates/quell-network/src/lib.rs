@@ -1,1 +1,29 @@
-//! x
+//! The algebra of two-terminal networks of springs, dampers, inerters and masses.
+//!
+//! A [`Layout`] is a tree of series (`+`) and parallel (`|`) groups over named branches, written in the letters of its
+//! [`Domain`] (`k c b m`, electrical `R L C`, hydraulic `R I C`); [`Enumeration`] lists layouts, each exactly once.
+//! A [`Network`] is the mechanical network that a layout becomes, with numbered elements, ready to be evaluated: dynamic
+//! stiffness, its gradient, rational admittance, number of modes, nodal form for stamping.
+//!
+//! Conventions: force F, relative displacement x, admittance Y(s) = F/(s x), dynamic stiffness D(s) = s Y(s) = F/x; SI
+//! units throughout; the time factor is e^(jωt).
+
+mod element;
+mod kind;
+mod layout;
+mod network;
+mod nodal;
+mod order;
+mod parse;
+mod program;
+mod standin;
+mod tree;
+pub use standin::Span;
+
+pub use element::{Domain, Element};
+pub use kind::{Branch, Kind, KindError, Kinds};
+pub use layout::{Layout, LayoutError};
+pub use network::{Network, NetworkElement, NetworkError, Part};
+pub use nodal::{Nodal, NodalBranch, Node};
+pub use program::{RatioGrid, Workspace};
+pub use tree::Tree;
