@@ -9,9 +9,14 @@
 //! The crate knows no physics. It never reads a clock, a file or a global random number generator: the same problem,
 //! settings and key give the same bits on any number of threads.
 
+mod derivative_free;
 mod error;
+mod evaluation;
+mod minimax;
 mod outcome;
 mod problem;
+mod quadratic;
+mod sample;
 mod search;
 mod settings;
 mod variable;

@@ -1,68 +1,248 @@
 //! Starts, their collection, and the search over all of them.
 
+use rand::Rng;
 use rayon::prelude::*;
 
+use crate::derivative_free::{covariance_adaptation, simplex};
+use crate::evaluation::{Evaluator, Value};
+use crate::minimax::{Ending, Minimax};
+use crate::sample::{space_filling, stream};
 use crate::{Outcome, Problem, Settings, StartResult, StartStatus, Status};
+
+/// Certificate below which a start counts as [`StartStatus::Certified`].
+const CERTIFIED: f64 = 1e-4;
 
 /// One independent start: a unit of work whose random stream depends only on the seed, `key` and `index`.
 ///
 /// `key` identifies the problem among those of one study (a hash of a layout, say), so that problems draw different
 /// streams under one seed.
+///
+/// A start samples the box with a scrambled Sobol sequence. Where the problem gives pieces, the best
+/// [`Settings::descents`] points of the sample, kept apart, each go down by minimax sequential quadratic programming.
+/// Otherwise bounded CMA-ES sets out from the best point, and Nelder-Mead finishes.
 pub fn start<P: Problem>(problem: &P, settings: &Settings, key: u64, index: usize) -> StartResult {
-    let _ = (settings, key, index);
-    let mut scratch = problem.scratch();
-    let point: Vec<f64> = problem
-        .variables()
-        .iter()
-        .map(|variable| variable.value(0.5))
-        .collect();
-    let mut constraints = vec![0.0; problem.constraints()];
-    let objective = problem.evaluate(&point, &mut constraints, &mut scratch);
-    let violation = constraints.iter().fold(0.0_f64, |a, &b| a.max(b));
+    let mut evaluator = Evaluator::new(problem, settings);
+    let dimension = evaluator.dimension();
+    if dimension == 0 {
+        evaluator.evaluate(&[]);
+        return finish(evaluator, Ending::Converged, &mut Minimax::new(0));
+    }
+    let mut random = stream(settings.seed, key, index);
+    let count = settings.sample.min(settings.evaluations_per_start).max(1);
+    let points = space_filling(&mut random, dimension, count);
+    let mut ranked: Vec<(Value, &[f64])> = Vec::with_capacity(count);
+    for point in points.chunks_exact(dimension) {
+        let value = evaluator.evaluate(point);
+        let place = ranked.partition_point(|(other, _)| !evaluator.prefers(value, *other));
+        ranked.insert(place, (value, point));
+    }
+    let mut minimax = Minimax::new(dimension);
+    let mut ending = Ending::Unavailable;
+    let mut taken: Vec<&[f64]> = Vec::new();
+    for &(value, point) in &ranked {
+        if taken.len() >= settings.descents || evaluator.remaining() == 0 || value.is_failed() {
+            break;
+        }
+        // Neighbours would most likely go down into the same place.
+        if taken.iter().any(|other| distance(other, point) < 0.15) {
+            continue;
+        }
+        taken.push(point);
+        let mut coordinates = point.to_vec();
+        let (this, _) = minimax.descend(&mut evaluator, &mut coordinates, None, usize::MAX);
+        ending = this;
+        if this == Ending::Unavailable {
+            break;
+        }
+    }
+    if ending == Ending::Unavailable && !evaluator.best.is_failed() {
+        ending = without_gradients(&mut evaluator, random.next_u64(), true);
+    }
+    finish(evaluator, ending, &mut minimax)
+}
+
+/// CMA-ES (with `global`), then Nelder-Mead from simplices of falling size, on an exact penalty.
+fn without_gradients<P: Problem>(
+    evaluator: &mut Evaluator<'_, P>,
+    seed: u64,
+    global: bool,
+) -> Ending {
+    let dimension = evaluator.dimension();
+    let mut weight = if evaluator.has_constraints() {
+        10.0 * evaluator.best.objective.abs().max(1e-300)
+    } else {
+        0.0
+    };
+    if global {
+        let mut spread = 0.25;
+        // A tenth of the budget stays for the simplices.
+        let reserve = evaluator.settings.evaluations_per_start / 5;
+        for round in 0..4 {
+            let centre = evaluator.best_coordinates.clone();
+            let population = 4 + (3.0 * (dimension as f64).ln()) as usize + 2 * round;
+            covariance_adaptation(
+                seed.wrapping_add(round as u64),
+                &centre,
+                spread,
+                population,
+                1e-6,
+                &mut |u| {
+                    (evaluator.remaining() > reserve)
+                        .then(|| evaluator.evaluate(u).penalised(weight))
+                },
+            );
+            // An exact penalty is exact only when it is large enough.
+            if evaluator.best.violation <= evaluator.settings.feasibility
+                || evaluator.remaining() <= reserve
+            {
+                break;
+            }
+            weight *= 100.0;
+            spread = 0.1;
+        }
+    }
+    let mut size = if global { 1e-2 } else { 2e-2 };
+    let mut previous = evaluator.best;
+    let mut quiet = 0;
+    while evaluator.remaining() > dimension + 1 {
+        let centre = evaluator.best_coordinates.clone();
+        simplex(&centre, size, 1e-9, &mut |u| {
+            (evaluator.remaining() > 0).then(|| evaluator.evaluate(u).penalised(weight))
+        });
+        let gain = previous.objective - evaluator.best.objective;
+        let measure = evaluator
+            .best
+            .objective
+            .abs()
+            .max(evaluator.settings.magnitude);
+        let feasible = evaluator.best.violation <= evaluator.settings.feasibility;
+        if !feasible {
+            weight *= 10.0;
+        }
+        if gain.abs() <= 1e-8 * measure && evaluator.best.violation >= previous.violation {
+            quiet += 1;
+            if quiet >= 2 {
+                return Ending::Converged;
+            }
+            size = if quiet == 1 { -size } else { size };
+        } else {
+            quiet = 0;
+        }
+        size = (0.3 * size.abs()).max(1e-5) * size.signum();
+        previous = evaluator.best;
+    }
+    Ending::Budget
+}
+
+fn finish<P: Problem>(
+    mut evaluator: Evaluator<'_, P>,
+    ending: Ending,
+    minimax: &mut Minimax,
+) -> StartResult {
+    let value = evaluator.best;
+    let coordinates = evaluator.best_coordinates.clone();
+    let certificate = minimax.certify(&mut evaluator, &coordinates, value);
+    let status = if value.is_failed() {
+        StartStatus::Failed
+    } else if value.violation > evaluator.settings.feasibility {
+        StartStatus::Infeasible
+    } else if certificate.is_some_and(|length| length <= CERTIFIED) {
+        StartStatus::Certified
+    } else if ending == Ending::Budget {
+        StartStatus::BudgetExhausted
+    } else {
+        StartStatus::Converged
+    };
+    let evaluations = evaluator.evaluations;
+    let (point, constraints) = evaluator.into_best();
     StartResult {
         point,
-        objective,
+        objective: value.objective,
         constraints,
-        violation,
-        evaluations: 1,
-        status: StartStatus::Converged,
-        certificate: None,
+        violation: value.violation,
+        evaluations,
+        status,
+        certificate,
     }
 }
 
-/// The best of several starts and how many of them agree on it.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter()
+        .zip(b)
+        .fold(0.0_f64, |largest, (x, y)| largest.max((x - y).abs()))
+}
+
+/// The best of several starts and how many of them agree on it; ties go to the earlier start.
 pub fn collect<P: Problem>(problem: &P, settings: &Settings, results: Vec<StartResult>) -> Outcome {
-    let _ = (problem, settings);
     let starts = results.len();
     let evaluations = results.iter().map(|result| result.evaluations).sum();
-    let best = results.into_iter().next();
-    match best {
-        Some(best) => Outcome {
-            feasible: true,
-            point: best.point,
-            objective: best.objective,
-            constraints: best.constraints,
-            violation: best.violation,
-            active_bounds: Vec::new(),
-            starts,
-            starts_agreeing: 1,
-            evaluations,
-            status: Status::SingleStart,
-            certificate: best.certificate,
-        },
-        None => Outcome {
-            feasible: false,
-            point: Vec::new(),
+    let value = |result: &StartResult| Value {
+        objective: result.objective,
+        violation: result.violation,
+    };
+    let mut best: Option<&StartResult> = None;
+    for result in &results {
+        let failed = value(result).is_failed();
+        if !failed
+            && best
+                .is_none_or(|best| value(result).is_better_than(value(best), settings.feasibility))
+        {
+            best = Some(result);
+        }
+    }
+    let Some(best) = best else {
+        let first = results.first();
+        return Outcome {
+            point: first.map(|result| result.point.clone()).unwrap_or_default(),
             objective: f64::INFINITY,
-            constraints: Vec::new(),
+            constraints: first
+                .map(|result| result.constraints.clone())
+                .unwrap_or_default(),
             violation: f64::INFINITY,
+            feasible: false,
             active_bounds: Vec::new(),
             starts,
             starts_agreeing: 0,
             evaluations,
             status: Status::Failed,
             certificate: None,
+        };
+    };
+    let feasible = best.violation <= settings.feasibility;
+    let tolerance = settings.agreement * best.objective.abs().max(settings.magnitude);
+    let starts_agreeing = results
+        .iter()
+        .filter(|result| {
+            feasible
+                && result.violation <= settings.feasibility
+                && result.objective - best.objective <= tolerance
+        })
+        .count();
+    let active_bounds = problem
+        .variables()
+        .iter()
+        .zip(&best.point)
+        .enumerate()
+        .filter_map(|(index, (variable, &x))| {
+            Some((index, variable.active_side(x, settings.active_bound)?))
+        })
+        .collect();
+    Outcome {
+        point: best.point.clone(),
+        objective: best.objective,
+        constraints: best.constraints.clone(),
+        violation: best.violation,
+        feasible,
+        active_bounds,
+        starts,
+        starts_agreeing,
+        evaluations,
+        status: match (feasible, starts_agreeing) {
+            (false, _) => Status::Infeasible,
+            (true, 0 | 1) => Status::SingleStart,
+            (true, _) => Status::Agreed,
         },
+        certificate: best.certificate,
     }
 }
 
@@ -77,8 +257,21 @@ pub fn search<P: Problem>(problem: &P, settings: &Settings, key: u64) -> Outcome
 
 /// A local search from a given point, in the variables' own units, without a global step.
 ///
-/// Used to bring a known design to the optimum after the problem changed slightly (a finer frequency grid).
+/// Used to bring a known design to the optimum after the problem changed slightly (a finer frequency grid). A point
+/// outside the bounds is moved to the nearest one inside; missing coordinates are taken in the middle of their range.
 pub fn polish<P: Problem>(problem: &P, settings: &Settings, from: &[f64]) -> StartResult {
-    let _ = from;
-    start(problem, settings, 0, 0)
+    let mut evaluator = Evaluator::new(problem, settings);
+    let mut coordinates: Vec<f64> = problem
+        .variables()
+        .iter()
+        .enumerate()
+        .map(|(index, variable)| from.get(index).map_or(0.5, |&x| variable.coordinate(x)))
+        .collect();
+    let mut minimax = Minimax::new(coordinates.len());
+    let (mut ending, value) =
+        minimax.descend(&mut evaluator, &mut coordinates, Some(0.02), usize::MAX);
+    if ending == Ending::Unavailable && !value.is_failed() {
+        ending = without_gradients(&mut evaluator, 0, false);
+    }
+    finish(evaluator, ending, &mut minimax)
 }

@@ -25,6 +25,8 @@ pub struct Settings {
     pub evaluations_per_start: usize,
     /// Points of the space-filling sample from which a start sets out. Default `8 + 4 n`.
     pub sample: usize,
+    /// Local searches of one start where gradients are available, from the best points of its sample. Default 2.
+    pub descents: usize,
     /// Pieces of the objective within this relative margin of the maximum are asked for. Default `0.5`.
     pub margin: f64,
 }
@@ -42,6 +44,7 @@ impl Settings {
             active_bound: 1e-6,
             evaluations_per_start: (1000 * dimension).clamp(2000, 8000),
             sample: 8 + 4 * dimension,
+            descents: 2,
             margin: 0.5,
         }
     }

@@ -1,0 +1,183 @@
+//! Evaluations in scaled coordinates, counted and compared.
+
+use crate::{Pieces, Problem, Settings};
+
+/// Objective and violation at one point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Value {
+    /// The objective; infinite for a failed evaluation.
+    pub(crate) objective: f64,
+    /// `max(0, max_j c_j)`; infinite for a failed evaluation.
+    pub(crate) violation: f64,
+}
+
+impl Value {
+    pub(crate) const FAILED: Self = Self {
+        objective: f64::INFINITY,
+        violation: f64::INFINITY,
+    };
+
+    pub(crate) fn is_failed(self) -> bool {
+        !self.objective.is_finite() || !self.violation.is_finite()
+    }
+
+    /// Feasible beats infeasible, then the lower objective, or the lower violation among infeasible ones.
+    pub(crate) fn is_better_than(self, other: Self, feasibility: f64) -> bool {
+        match (
+            self.violation <= feasibility,
+            other.violation <= feasibility,
+        ) {
+            (true, true) => self.objective < other.objective,
+            (true, false) => true,
+            (false, true) => false,
+            (false, false) => {
+                self.violation < other.violation
+                    || (self.violation == other.violation && self.objective < other.objective)
+            }
+        }
+    }
+
+    /// `f + weight max(0, violation - allowance)`, with failed evaluations infinite.
+    pub(crate) fn penalised(self, weight: f64) -> f64 {
+        if self.is_failed() {
+            f64::INFINITY
+        } else {
+            self.objective + weight * self.violation
+        }
+    }
+}
+
+/// The problem of one start: counts evaluations, keeps the best point, and works in scaled coordinates.
+pub(crate) struct Evaluator<'a, P: Problem> {
+    problem: &'a P,
+    pub(crate) settings: &'a Settings,
+    scratch: P::Scratch,
+    point: Vec<f64>,
+    constraints: Vec<f64>,
+    raw: Pieces,
+    pub(crate) evaluations: usize,
+    pub(crate) best: Value,
+    pub(crate) best_coordinates: Vec<f64>,
+    best_point: Vec<f64>,
+    best_constraints: Vec<f64>,
+}
+
+impl<'a, P: Problem> Evaluator<'a, P> {
+    pub(crate) fn new(problem: &'a P, settings: &'a Settings) -> Self {
+        let dimension = problem.variables().len();
+        let constraints = problem.constraints();
+        Self {
+            problem,
+            settings,
+            scratch: problem.scratch(),
+            point: vec![0.0; dimension],
+            constraints: vec![0.0; constraints],
+            raw: Pieces::new(dimension),
+            evaluations: 0,
+            best: Value::FAILED,
+            best_coordinates: vec![0.5; dimension],
+            best_point: problem
+                .variables()
+                .iter()
+                .map(|variable| variable.value(0.5))
+                .collect(),
+            best_constraints: vec![f64::INFINITY; constraints],
+        }
+    }
+
+    pub(crate) fn dimension(&self) -> usize {
+        self.problem.variables().len()
+    }
+
+    pub(crate) fn has_constraints(&self) -> bool {
+        !self.constraints.is_empty()
+    }
+
+    pub(crate) fn remaining(&self) -> usize {
+        self.settings
+            .evaluations_per_start
+            .saturating_sub(self.evaluations)
+    }
+
+    /// Whether `a` would be preferred to `b` as a result.
+    pub(crate) fn prefers(&self, a: Value, b: Value) -> bool {
+        a.is_better_than(b, self.settings.feasibility)
+    }
+
+    fn place(&mut self, coordinates: &[f64]) {
+        for ((x, variable), &u) in self
+            .point
+            .iter_mut()
+            .zip(self.problem.variables())
+            .zip(coordinates)
+        {
+            *x = variable.value(u);
+        }
+    }
+
+    /// Objective and violation at scaled coordinates.
+    pub(crate) fn evaluate(&mut self, coordinates: &[f64]) -> Value {
+        self.place(coordinates);
+        self.constraints.fill(0.0);
+        self.evaluations += 1;
+        let objective =
+            self.problem
+                .evaluate(&self.point, &mut self.constraints, &mut self.scratch);
+        if !objective.is_finite() || !self.constraints.iter().all(|c| c.is_finite()) {
+            return Value::FAILED;
+        }
+        let violation = self
+            .constraints
+            .iter()
+            .fold(0.0_f64, |worst, &c| worst.max(c));
+        let value = Value {
+            objective,
+            violation,
+        };
+        if self.best.is_failed() || self.prefers(value, self.best) {
+            self.best = value;
+            self.best_coordinates.clear();
+            self.best_coordinates.extend_from_slice(coordinates);
+            self.best_point.clone_from(&self.point);
+            self.best_constraints.clone_from(&self.constraints);
+        }
+        value
+    }
+
+    /// Near-active pieces with gradients by the scaled coordinates; false when there are none here.
+    pub(crate) fn pieces(&mut self, coordinates: &[f64], pieces: &mut Pieces) -> bool {
+        self.place(coordinates);
+        self.evaluations += 1;
+        self.raw.clear();
+        pieces.clear();
+        let available = self.problem.pieces(
+            &self.point,
+            self.settings.margin,
+            &mut self.raw,
+            &mut self.scratch,
+        );
+        if !available || self.raw.objectives() == 0 || !self.raw.is_finite() {
+            return false;
+        }
+        let variables = self.problem.variables();
+        let scale = |target: &mut [f64], source: &[f64], point: &[f64]| {
+            for (((target, &source), variable), &x) in
+                target.iter_mut().zip(source).zip(variables).zip(point)
+            {
+                *target = source * variable.slope(x);
+            }
+        };
+        for (value, gradient) in self.raw.iter_objectives() {
+            scale(pieces.push_objective(value), gradient, &self.point);
+        }
+        for (index, value, gradient) in self.raw.iter_constraints() {
+            scale(pieces.push_constraint(index, value), gradient, &self.point);
+        }
+        true
+    }
+
+    /// Best point in the variables' own units, and the constraints there.
+    pub(crate) fn into_best(self) -> (Vec<f64>, Vec<f64>) {
+        (self.best_point, self.best_constraints)
+    }
+}
