@@ -1,1 +1,12 @@
-//! x
+//! Pictures of networks and responses, and the HTML report.
+//!
+//! The report is written from plain data ([`page::Page`]): the crate knows how things look, not where they come from.
+
+pub mod number;
+pub mod schematic;
+pub mod symbols;
+mod html;
+pub mod layout;
+pub mod page;
+pub mod plot;
+mod text;

@@ -40,11 +40,10 @@ impl Symbol {
     /// Extent across the axis towards the negative and the positive side.
     pub(crate) fn half_widths(self) -> (f64, f64) {
         match self {
-            Self::Spring | Self::Restriction => (9.0, 9.0),
-            Self::Damper | Self::Compliance | Self::Capacitor => (10.0, 10.0),
+            Self::Spring | Self::Restriction | Self::Inertance => (9.0, 9.0),
+            Self::Damper | Self::Compliance | Self::Capacitor => (11.0, 11.0),
             Self::Inerter => (8.0, 19.0),
             Self::Mass => (16.0, 16.0),
-            Self::Inertance => (9.0, 9.0),
             Self::Resistor => (7.0, 7.0),
             Self::Inductor => (2.0, 7.0),
             Self::Box => (12.0, 12.0),
@@ -91,9 +90,9 @@ impl Symbol {
             }
             Self::Inertance => path(&helix()),
             Self::Restriction => path("M0-17V17M-8.5-9.5Q1 0-8.5 9.5M8.5-9.5Q-1 0 8.5 9.5"),
-            Self::Compliance => path("M0-17V-12.5M0 12.5V17M-9.5-4a9.5 8.5 0 0 1 19 0V4a9.5 8.5 0 0 1-19 0ZM-9.5 0q4.75-4.5 9.5 0t9.5 0"),
+            Self::Compliance => path("M0-17V-11.5M0 11.5V17M-4-11.5H4A6 6 0 0 1 10-5.5V5.5A6 6 0 0 1 4 11.5H-4A6 6 0 0 1-10 5.5V-5.5A6 6 0 0 1-4-11.5ZM-10-2Q0 6.5 10-2"),
             Self::Resistor => path("M0-17V-11.5M0 11.5V17M-6-11.5H6V11.5H-6Z"),
-            Self::Inductor => path("M0-17V-12a3 3 0 0 1 0 6a3 3 0 0 1 0 6a3 3 0 0 1 0 6a3 3 0 0 1 0 6V17"),
+            Self::Inductor => path("M0-17V-12a5 3 0 0 1 0 6a5 3 0 0 1 0 6a5 3 0 0 1 0 6a5 3 0 0 1 0 6V17"),
             Self::Capacitor => path("M0-17V-3M0 3V17M-9.5-3H9.5M-9.5 3H9.5"),
             Self::Box => path("M0-17V-11M0 11V17M-11-11H11V11H-11Z"),
         }
@@ -104,20 +103,20 @@ fn path(data: &str) -> String {
     format!(r#"<path d="{data}"/>"#)
 }
 
-/// A pipe wound to a helix, seen from the side: a prolate cycloid of four turns with straight ends.
+/// A pipe wound to a helix, seen from the side: a prolate cycloid of three turns with straight ends.
 fn helix() -> String {
-    const TURNS: usize = 4;
-    const POINTS_PER_TURN: usize = 12;
+    const TURNS: usize = 3;
+    const POINTS_PER_TURN: usize = 14;
+    /// Half the depth of a turn along the axis; above pitch/2π, so that every turn crosses itself.
+    const DEPTH: f64 = 2.7;
     let steps = TURNS * POINTS_PER_TURN;
-    let mut data = String::from("M0-17V-13");
+    let mut data = String::from("M0-17V-13.5");
     for step in 1..steps {
         let angle = std::f64::consts::TAU * step as f64 / POINTS_PER_TURN as f64;
-        let advance = -13.0 + 26.0 * step as f64 / steps as f64;
-        // Starts and ends on the axis; the second term makes each turn close on itself.
         let across = 8.0 * angle.sin();
-        let along = advance + 3.4 * (1.0 - angle.cos()) / 2.0 * 1.2 - 2.0 * (step as f64 / steps as f64);
+        let along = -13.5 + 27.0 * step as f64 / steps as f64 + DEPTH * (1.0 - angle.cos()) - DEPTH * (step as f64 / steps as f64).powi(8);
         let _ = write!(data, "L{across:.1} {along:.1}");
     }
-    data.push_str("L0 13V17");
+    data.push_str("L0 13.5V17");
     data
 }

@@ -1,0 +1,152 @@
+//! One configuration: its networks, values, criteria.
+
+use maud::{Markup, PreEscaped, html};
+
+use crate::number::{SIGNIFICANT_DIGITS, compact, significant, unit};
+use crate::page::{Bounds, CriterionColumn, CriterionValue, DesignValue, Device, Quantity, Side};
+use crate::schematic::{Drawing, Style};
+
+/// A number with its unit after a no-break space.
+pub(super) fn number_with_unit(value: f64, unit_text: &str) -> Markup {
+    html! {
+        (significant(value, SIGNIFICANT_DIGITS))
+        @if !unit_text.is_empty() { span.unit { "\u{a0}" (unit(unit_text)) } }
+    }
+}
+
+/// A quantity with its unit.
+pub(super) fn quantity(quantity: &Quantity) -> Markup {
+    number_with_unit(quantity.value, &quantity.unit)
+}
+
+/// A drawing that shrinks with its column, but never so far that its text cannot be read.
+fn scaled(drawing: &Drawing, smallest: f64) -> Markup {
+    let width = drawing.width;
+    html! {
+        div.schematic style={ "--natural:" (format!("{width:.0}")) "px;--least:" (format!("{:.0}", width * smallest)) "px" } {
+            (PreEscaped(&drawing.svg))
+        }
+    }
+}
+
+/// The networks of a configuration, drawn to be read by themselves.
+pub(super) fn large(devices: &[Device]) -> Markup {
+    html! {
+        @for device in devices {
+            figure.network {
+                (scaled(&device.schematic.draw(Style::FULL), 0.75))
+                figcaption {
+                    @if devices.len() > 1 { (device.name) ": " }
+                    code { (device.layout) }
+                }
+            }
+        }
+    }
+}
+
+/// The networks of a configuration for a row of a table.
+pub(super) fn small(devices: &[Device]) -> Markup {
+    html! {
+        @for device in devices {
+            div.network {
+                (scaled(&device.schematic.draw(Style::ROW), 0.6))
+                code.layout {
+                    @if devices.len() > 1 { (device.name) ": " }
+                    (device.layout)
+                }
+            }
+        }
+    }
+}
+
+/// Name, value, unit and place between the bounds, one row for each.
+pub(super) fn values_table(devices: &[Device]) -> Markup {
+    let values = || devices.iter().flat_map(|device| device.values.iter());
+    html! {
+        @if values().next().is_some() {
+            div.scroll { table.plain.values {
+                thead { tr { th { "Variable" } th.number { "Value" } th { "Unit" } th { "Between its bounds" } } }
+                tbody {
+                    @for value in values() {
+                        tr {
+                            th scope="row" { code { (value.name) } }
+                            td.number { (significant(value.value.value, SIGNIFICANT_DIGITS)) }
+                            td { (unit(&value.value.unit)) }
+                            td { @if let Some(bounds) = &value.bounds { (gauge(value, *bounds)) } @else { span.soft { "fixed" } } }
+                        }
+                    }
+                }
+            } }
+        }
+    }
+}
+
+/// Where a value lies between its bounds.
+fn gauge(value: &DesignValue, bounds: Bounds) -> Markup {
+    let position = bounds.position(value.value.value).unwrap_or(0.5);
+    html! {
+        span.gauge {
+            span.end { (compact(bounds.lower, 4)) }
+            span.track.log[bounds.logarithmic] { i.active[value.active.is_some()] style={ "left:" (format!("{:.1}", 100.0 * position)) "%" } {} }
+            span.end { (compact(bounds.upper, 4)) }
+            @if let Some(side) = value.active { span.tag.alarm { (side_word(side)) } }
+        }
+    }
+}
+
+fn side_word(side: Side) -> &'static str {
+    match side {
+        Side::Lower => "at lower bound",
+        Side::Upper => "at upper bound",
+    }
+}
+
+/// The values in one line, for rows of tables; a value at a bound is marked.
+pub(super) fn values_line(devices: &[Device]) -> Markup {
+    html! {
+        div.values-line {
+            @for value in devices.iter().flat_map(|device| device.values.iter()) {
+                span.pair {
+                    span.name { (value.name) } "\u{a0}"
+                    (number_with_unit(value.value.value, &value.value.unit))
+                    @match value.active {
+                        Some(Side::Lower) => abbr.bound title="at its lower bound" { "▾" },
+                        Some(Side::Upper) => abbr.bound title="at its upper bound" { "▴" },
+                        None => {},
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Whether any value of these devices lies at a bound.
+pub(super) fn any_active(devices: &[Device]) -> bool {
+    devices.iter().any(|device| device.values.iter().any(|value| value.active.is_some()))
+}
+
+/// A cell with a criterion's value.
+pub(super) fn criterion_cell(value: Option<&CriterionValue>, column: &CriterionColumn) -> Markup {
+    html! {
+        td.number data-label=(column.name) {
+            @match value {
+                Some(value) => {
+                    span.alarm-text[value.violated] { (significant(value.value, SIGNIFICANT_DIGITS)) }
+                    @if !value.note.is_empty() { span.note { (value.note) } }
+                },
+                None => "–",
+            }
+        }
+    }
+}
+
+/// The heading of a criterion's column.
+pub(super) fn criterion_head(column: &CriterionColumn) -> Markup {
+    html! {
+        th.number {
+            code { (column.name) }
+            @if !column.unit.is_empty() { span.unit { " " (unit(&column.unit)) } }
+            @if !column.role.is_empty() { span.note { (column.role) } }
+        }
+    }
+}

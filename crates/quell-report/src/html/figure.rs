@@ -1,0 +1,32 @@
+//! Plots on the page: a wide and a narrow rendering, and a legend in real text.
+
+use maud::{Markup, PreEscaped, html};
+
+use super::design::number_with_unit;
+use crate::plot::Plot;
+
+/// A plot with its legend and caption; `id` is unique on the page.
+pub(super) fn figure(plot: &Plot, id: &str) -> Markup {
+    html! {
+        figure.plot {
+            // Two renderings, because text in a scaled picture is unreadable on a phone; style shows one of them.
+            div.broad { (PreEscaped(plot.inline(880.0, 400.0, &format!("{id}-w")))) }
+            div.slim aria-hidden="true" { (PreEscaped(plot.inline(400.0, 330.0, &format!("{id}-n")))) }
+            ul.legend {
+                @for (series, stroke) in plot.series.iter().zip(plot.strokes()) {
+                    li {
+                        svg viewBox="0 0 30 10" width="30" height="10" aria-hidden="true" {
+                            path d="M1 5H29" fill="none" stroke=(stroke.colour) stroke-width="2" stroke-dasharray=[stroke.dashes] {}
+                            @if series.peak.is_some() || series.markers { circle cx="15" cy="5" r="3.4" fill=(stroke.colour) {} }
+                        }
+                        span { (series.name) }
+                        @if let Some((x, y)) = series.peak {
+                            span.soft { (number_with_unit(y, &plot.y.unit)) " at " (number_with_unit(x, &plot.x.unit)) }
+                        }
+                    }
+                }
+            }
+            @if !plot.caption.is_empty() { figcaption { (plot.caption) } }
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! The section of one task.
+
+use maud::{Markup, html};
+
+use super::design::{any_active, criterion_cell, criterion_head, large, quantity, small, values_line, values_table};
+use super::figure::figure;
+use super::{anchor, count};
+use crate::number::percent;
+use crate::page::{Configuration, Design, Parameter, ReferenceRow, SweepPoint, TaskKind, TaskSection};
+use crate::plot::{Axis, Plot, Role, Series};
+
+/// Ranks after the first that are shown without being asked for.
+const SHOWN: usize = 5;
+
+/// A task with all its results.
+pub(super) fn section(task: &TaskSection, index: usize) -> Markup {
+    let id = anchor(index);
+    html! {
+        section.task id=(id) {
+            h2 {
+                (task.name)
+                span.kind { @match task.kind { TaskKind::Design => "design", TaskKind::Evaluate => "evaluate" } }
+                @if let Some(status) = &task.status { span.tag.alarm { (status) } }
+            }
+            @for words in &task.words { p.prose { (words) } }
+            @if task.sweep.is_empty() {
+                (results(task, &task.designs, &task.configurations, &id))
+            } @else {
+                (sweep(task, &id))
+            }
+        }
+    }
+}
+
+fn results(task: &TaskSection, designs: &[Design], configurations: &[Configuration], id: &str) -> Markup {
+    html! {
+        @if let Some(best) = designs.first() { (winner(task, best, designs.len())) }
+        @for (index, plot) in task.plots.iter().enumerate() { (figure(plot, &format!("{id}-plot-{index}"))) }
+        @if !configurations.is_empty() { (configurations_table(task, configurations)) }
+        @if task.criteria.len() > 1 || !task.references.is_empty() { (comparison(task, designs.first())) }
+        @if designs.len() > 1 { (ranks(task, designs)) }
+    }
+}
+
+/// The best design, large.
+fn winner(task: &TaskSection, best: &Design, designs: usize) -> Markup {
+    html! {
+        div.winner {
+            div.networks { (large(&best.devices)) }
+            div.numbers {
+                p.headline {
+                    span.big { (quantity(&best.objective)) }
+                    span.what {
+                        @if let Some(column) = task.criteria.first() { code { (column.name) } " " }
+                        @if designs > 1 { "best of " (count(designs, "layout", "layouts")) } @else { "the only layout" }
+                        @if !best.feasible { " " span.tag.alarm { "infeasible" } }
+                    }
+                }
+                @if !best.improvements.is_empty() {
+                    ul.gains {
+                        @for (gain, reference) in best.improvements.iter().zip(&task.references) {
+                            li { strong { (percent(gain.abs())) } " " @if *gain >= 0.0 { "better" } @else { "worse" } " than " (reference.name) }
+                        }
+                    }
+                }
+                (values_table(&best.devices))
+                p.evidence {
+                    (best.starts_agreeing) " of " (count(best.starts, "independent start", "independent starts")) " agree"
+                    " · " (grouped(best.evaluations)) " evaluations"
+                    @if !best.certificate.is_empty() { " · " (best.certificate) }
+                }
+            }
+        }
+    }
+}
+
+/// The best design's criteria beside those of the references.
+fn comparison(task: &TaskSection, best: Option<&Design>) -> Markup {
+    html! {
+        div.scroll { table.plain {
+            thead { tr { th { "Compared with" } @for column in &task.criteria { (criterion_head(column)) } } }
+            tbody {
+                @if let Some(best) = best {
+                    tr.best {
+                        th scope="row" { "best design" }
+                        @for (index, column) in task.criteria.iter().enumerate() { (criterion_cell(best.criteria.get(index), column)) }
+                    }
+                }
+                @for ReferenceRow { name, words, criteria } in &task.references {
+                    tr {
+                        th scope="row" { (name) @if !words.is_empty() { span.note { (words) } } }
+                        @for (index, column) in task.criteria.iter().enumerate() { (criterion_cell(criteria.get(index), column)) }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+/// All ranks after the first; a long list is folded.
+fn ranks(task: &TaskSection, designs: &[Design]) -> Markup {
+    let rest = designs.get(1..).unwrap_or_default();
+    // A fold that hides one or two rows costs more than it saves.
+    let shown = if rest.len() <= SHOWN + 2 { rest.len() } else { SHOWN };
+    let (near, far) = rest.split_at_checked(shown).unwrap_or((rest, &[]));
+    let best_gain = designs.iter().filter_map(|design| design.improvements.first()).copied().fold(0.0, f64::max);
+    html! {
+        h3 { "Further layouts" }
+        (ranks_table(task, near, best_gain))
+        @if !far.is_empty() {
+            details {
+                summary { "Ranks " (near.len() + 2) " to " (designs.len()) }
+                (ranks_table(task, far, best_gain))
+            }
+        }
+        @if rest.iter().any(|design| any_active(&design.devices)) {
+            p.key { span.bound { "▾" } " at its lower bound, " span.bound { "▴" } " at its upper bound" }
+        }
+    }
+}
+
+fn ranks_table(task: &TaskSection, designs: &[Design], best_gain: f64) -> Markup {
+    // The first criterion of a design task is its objective and has a column of its own.
+    let others = task.criteria.iter().enumerate().skip(1);
+    html! {
+        table.ranks {
+            thead { tr {
+                th.number { "Rank" } th { "Network" } th { "Values" }
+                th.number { @if let Some(column) = task.criteria.first() { code { (column.name) } } @else { "Objective" } }
+                @for reference in &task.references { th.number { "on " (reference.name) } }
+                @for (_, column) in others.clone() { (criterion_head(column)) }
+                th.number { "Starts" }
+            } }
+            tbody {
+                @for design in designs {
+                    tr {
+                        td.number.rank { (design.rank) }
+                        td.drawn { (small(&design.devices)) }
+                        td.chosen { (values_line(&design.devices)) }
+                        td.number data-label="objective" {
+                            strong { (quantity(&design.objective)) }
+                            @if !design.feasible { span.note.alarm-text { "infeasible" } }
+                        }
+                        @for (gain, reference) in design.improvements.iter().zip(&task.references) {
+                            td.number.gain data-label={ "on " (reference.name) } {
+                                (percent(*gain))
+                                @if best_gain > 0.0 {
+                                    span.bar style={ "width:" (format!("{:.0}", (100.0 * gain / best_gain).clamp(0.0, 100.0))) "%" } {}
+                                }
+                            }
+                        }
+                        @for (index, column) in others.clone() { (criterion_cell(design.criteria.get(index), column)) }
+                        td.number data-label="starts agreeing" { (design.starts_agreeing) "/" (design.starts) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn configurations_table(task: &TaskSection, configurations: &[Configuration]) -> Markup {
+    html! {
+        table.ranks {
+            thead { tr {
+                th { "Configuration" } th { "Network" } th { "Values" }
+                @for column in &task.criteria { (criterion_head(column)) }
+            } }
+            tbody {
+                @for configuration in configurations {
+                    tr {
+                        th scope="row" { (configuration.name) }
+                        td.drawn { (small(&configuration.devices)) }
+                        td.chosen { (values_line(&configuration.devices)) }
+                        @for (index, column) in task.criteria.iter().enumerate() { (criterion_cell(configuration.criteria.get(index), column)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A sweep: its picture, and the results of each point folded under it.
+fn sweep(task: &TaskSection, id: &str) -> Markup {
+    html! {
+        @for (index, plot) in sweep_plots(task).iter().chain(&task.plots).enumerate() { (figure(plot, &format!("{id}-plot-{index}"))) }
+        @for (index, point) in task.sweep.iter().enumerate() {
+            details open[index == 0 && task.sweep.len() == 1] {
+                summary {
+                    @for Parameter { name, value } in &point.at { code { (name) } " = " (quantity(value)) " " }
+                    @if let Some(best) = point.designs.first() { span.soft { "best " (quantity(&best.objective)) } }
+                }
+                (results(&TaskSection { plots: Vec::new(), ..bare(task) }, &point.designs, &point.configurations, &format!("{id}-point-{index}")))
+            }
+        }
+    }
+}
+
+/// The task's columns without its results.
+fn bare(task: &TaskSection) -> TaskSection {
+    TaskSection { criteria: task.criteria.clone(), references: task.references.clone(), kind: task.kind, ..TaskSection::default() }
+}
+
+/// Each criterion over the swept parameter, where there is just one.
+fn sweep_plots(task: &TaskSection) -> Vec<Plot> {
+    let Some([swept]) = task.sweep.first().map(|point| point.at.as_slice()) else { return Vec::new() };
+    let place = |point: &SweepPoint| point.at.first().map_or(f64::NAN, |parameter| parameter.value.value);
+    let places: Vec<f64> = task.sweep.iter().map(place).collect();
+    let x = Axis { label: swept.name.clone(), unit: swept.value.unit.clone(), logarithmic: geometric(&places) };
+    let names: Vec<String> = task.sweep.first().map_or(Vec::new(), |point| point.configurations.iter().map(|configuration| configuration.name.clone()).collect());
+    let columns = if names.is_empty() { task.criteria.iter().take(1) } else { task.criteria.iter().take(task.criteria.len()) };
+    columns
+        .enumerate()
+        .map(|(column, criterion)| {
+            let curve = |name: &str, value: &dyn Fn(&SweepPoint) -> Option<f64>| Series {
+                name: name.to_owned(),
+                role: Role::Design,
+                points: task.sweep.iter().map(|point| (place(point), value(point).unwrap_or(f64::NAN))).collect(),
+                peak: None,
+                markers: true,
+            };
+            let series = if names.is_empty() {
+                vec![curve("best design", &|point| point.designs.first().map(|design| design.objective.value))]
+            } else {
+                names
+                    .iter()
+                    .map(|name| {
+                        curve(name, &|point| {
+                            let configuration = point.configurations.iter().find(|configuration| configuration.name == *name)?;
+                            configuration.criteria.get(column).map(|value| value.value)
+                        })
+                    })
+                    .collect()
+            };
+            Plot {
+                caption: format!("{} over {}", criterion.name, swept.name),
+                x: x.clone(),
+                y: Axis { label: criterion.name.clone(), unit: criterion.unit.clone(), logarithmic: false },
+                series,
+                limits: Vec::new(),
+            }
+        })
+        .collect()
+}
+
+/// Whether the points lie nearer to a geometric than to an arithmetic progression, over a factor of three at least.
+fn geometric(values: &[f64]) -> bool {
+    match values {
+        [first, .., last] if *first > 0.0 && *last > 3.0 * first => {
+            let middle = values.get(values.len() / 2).copied().unwrap_or(*first);
+            let share = (values.len() / 2) as f64 / (values.len() - 1) as f64;
+            let arithmetic = first + share * (last - first);
+            let logarithmic = first * (last / first).powf(share);
+            (middle - logarithmic).abs() < (middle - arithmetic).abs()
+        }
+        _ => false,
+    }
+}
+
+/// A count with thin spaces between thousands.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index) % 3 == 0 {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
