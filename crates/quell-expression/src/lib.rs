@@ -1,4 +1,31 @@
-//! x
-/// placeholder
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dimension;
+//! Quantities with units, expressions with spans, and exact derivatives.
+//!
+//! SI inside, units at the edge: a text such as `18500 lbf/ft` or `2*zeta*sqrt(k*m)` becomes an [`Expression`], whose
+//! value in a [`Scope`] of names is a [`Quantity`] in SI with its [`Dimension`] checked. Errors point at the bytes.
+//!
+//! ```
+//! use quell_expression::{Dimension, Expression, NoNames};
+//! let force = Expression::parse("2 lbf + 1 N")?.evaluate(&NoNames)?;
+//! assert_eq!(force.dimension, Dimension::FORCE);
+//! assert!((force.value - 9.896443230521).abs() < 1e-12);
+//! # Ok::<(), quell_expression::ExpressionError>(())
+//! ```
+
+mod dimension;
+mod evaluate;
+mod expression;
+mod function;
+mod nearest;
+mod parser;
+mod quantity;
+mod span;
+mod unit;
+
+pub use dimension::Dimension;
+pub use evaluate::unknown_name;
+pub use expression::{BinaryOperator, ComparisonOperator, Expression, Node};
+pub use function::Function;
+pub use nearest::nearest;
+pub use quantity::{NoNames, Quantity, Scope};
+pub use span::{ExpressionError, Span};
+pub use unit::Unit;

@@ -1,0 +1,183 @@
+//! Values of expressions, with their dimensions checked.
+
+use crate::expression::{BinaryOperator, Expression, Node};
+use crate::{Dimension, ExpressionError, Function, Quantity, Scope, Span, nearest};
+
+impl Expression {
+    /// The SI value with its dimension.
+    ///
+    /// # Errors
+    /// At their place: unknown names (with the nearest valid one), operands whose units do not fit, a result that is
+    /// not a finite number, time derivatives and comparisons (which have no value outside equations and constraints).
+    pub fn evaluate(&self, scope: &dyn Scope) -> Result<Quantity, ExpressionError> {
+        let quantity = self.part(scope)?;
+        if quantity.value.is_finite() {
+            Ok(quantity)
+        } else {
+            Err(ExpressionError::new(
+                self.span,
+                format!("`{self}` is not a finite number"),
+            ))
+        }
+    }
+
+    fn part(&self, scope: &dyn Scope) -> Result<Quantity, ExpressionError> {
+        match &self.node {
+            Node::Number(value) => Ok(Quantity::number(*value)),
+            Node::Quantity { value, unit } => {
+                Ok(Quantity::new(value * unit.factor, unit.dimension))
+            }
+            Node::Name(name) => named(name, self.span, scope),
+            Node::Negate(operand) => {
+                let operand = operand.evaluate(scope)?;
+                Ok(Quantity::new(-operand.value, operand.dimension))
+            }
+            Node::Binary {
+                operator,
+                left,
+                right,
+            } => {
+                let (a, b) = (left.evaluate(scope)?, right.evaluate(scope)?);
+                let dimension = binary_dimension(*operator, (a, left.span), (b, right.span))?;
+                let value = match operator {
+                    BinaryOperator::Add => a.value + b.value,
+                    BinaryOperator::Subtract => a.value - b.value,
+                    BinaryOperator::Multiply => a.value * b.value,
+                    BinaryOperator::Divide => a.value / b.value,
+                    BinaryOperator::Power => power(a.value, b.value),
+                };
+                if *operator == BinaryOperator::Divide && b.value == 0.0 {
+                    return Err(ExpressionError::new(
+                        right.span,
+                        format!("`{right}` is zero, and it divides"),
+                    ));
+                }
+                Ok(Quantity::new(value, dimension))
+            }
+            Node::Call {
+                function,
+                function_span,
+                arguments,
+            } => {
+                let known = look_up(function, *function_span, arguments.len())?;
+                let values = arguments
+                    .iter()
+                    .map(|argument| argument.evaluate(scope))
+                    .collect::<Result<Vec<_>, _>>()?;
+                known.apply(&values).map_err(|(index, message)| {
+                    let span = arguments
+                        .get(index)
+                        .map_or(self.span, |argument| argument.span);
+                    ExpressionError::new(span, message)
+                })
+            }
+            Node::Derivative { .. } => Err(ExpressionError::new(
+                self.span,
+                format!("`{self}` is a time derivative, and nothing here varies in time"),
+            )),
+            Node::Comparison { .. } => Err(ExpressionError::new(
+                self.span,
+                format!("`{self}` is a comparison, where a number is expected"),
+            )),
+        }
+    }
+}
+
+/// x^y; whole powers by multiplication, so that they are the same on every platform.
+pub(crate) fn power(base: f64, exponent: f64) -> f64 {
+    if exponent.fract() == 0.0 && exponent.abs() <= 64.0 {
+        base.powi(exponent as i32)
+    } else {
+        base.powf(exponent)
+    }
+}
+
+fn named(name: &str, span: Span, scope: &dyn Scope) -> Result<Quantity, ExpressionError> {
+    if let Some(quantity) = scope.quantity(name) {
+        return Ok(quantity);
+    }
+    if name == "pi" {
+        return Ok(Quantity::number(std::f64::consts::PI));
+    }
+    Err(unknown_name(name, span, scope))
+}
+
+/// The error for a name that stands for nothing, with the nearest that does.
+#[must_use]
+pub fn unknown_name(name: &str, span: Span, scope: &dyn Scope) -> ExpressionError {
+    let error = ExpressionError::new(span, format!("unknown name `{name}`"));
+    if Function::from_name(name).is_some() {
+        return error.with_help(format!("`{name}` is a function: `{name}(…)`"));
+    }
+    match nearest(name, scope.names()) {
+        Some(near) => error.with_help(format!("did you mean `{near}`?")),
+        None => error,
+    }
+}
+
+/// The function of a name, with as many arguments.
+pub(crate) fn look_up(name: &str, span: Span, count: usize) -> Result<Function, ExpressionError> {
+    let Some(function) = Function::from_name(name) else {
+        let error = ExpressionError::new(span, format!("unknown function `{name}`"));
+        return Err(
+            match nearest(name, Function::ALL.iter().map(|(known, _)| *known)) {
+                Some(near) => error.with_help(format!("did you mean `{near}`?")),
+                None => error,
+            },
+        );
+    };
+    let (least, most) = function.arguments();
+    if count < least || count > most {
+        let takes = match (least, most) {
+            (1, 1) => "one argument".to_owned(),
+            (a, b) if a == b => format!("{a} arguments"),
+            (a, _) => format!("at least {a} arguments"),
+        };
+        return Err(ExpressionError::new(
+            span,
+            format!("`{name}` takes {takes}, found {count}"),
+        ));
+    }
+    Ok(function)
+}
+
+/// The dimension of an operation on two quantities; the exponent's value matters for a power.
+pub(crate) fn binary_dimension(
+    operator: BinaryOperator,
+    (a, _): (Quantity, Span),
+    (b, b_span): (Quantity, Span),
+) -> Result<Dimension, ExpressionError> {
+    match operator {
+        BinaryOperator::Add | BinaryOperator::Subtract => {
+            if a.dimension.agrees(&b.dimension) {
+                Ok(a.dimension.joined(b.dimension))
+            } else {
+                let (verb, joint) = if operator == BinaryOperator::Add {
+                    ("add", "to")
+                } else {
+                    ("subtract", "from")
+                };
+                Err(ExpressionError::new(
+                    b_span,
+                    format!("cannot {verb} {} {joint} {}", b.dimension, a.dimension),
+                ))
+            }
+        }
+        BinaryOperator::Multiply => Ok(a.dimension * b.dimension),
+        BinaryOperator::Divide => Ok(a.dimension / b.dimension),
+        BinaryOperator::Power => {
+            if !b.dimension.is_none() {
+                return Err(ExpressionError::new(
+                    b_span,
+                    format!("an exponent is a plain number, found {}", b.dimension),
+                ));
+            }
+            a.dimension.power(b.value).ok_or_else(|| {
+                ExpressionError::new(
+                    b_span,
+                    format!("{} cannot be raised to the power {}", a.dimension, b.value),
+                )
+            })
+        }
+    }
+}
