@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use quell_expression::Dimension;
+
 /// A two-terminal element, named by its mechanical kind whatever the domain it is written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Element {
@@ -130,6 +132,27 @@ impl Domain {
         }
     }
 
+    /// SI dimension of the element's value in this domain.
+    #[must_use]
+    pub const fn dimension(self, element: Element) -> Dimension {
+        match (self, element) {
+            (Self::Translational, Element::Spring) => Dimension::STIFFNESS,
+            (Self::Translational, Element::Damper) => Dimension::DAMPING,
+            (Self::Translational, Element::Inerter | Element::Mass) => Dimension::MASS,
+            (Self::Rotational, Element::Spring) => Dimension::ROTATIONAL_STIFFNESS,
+            (Self::Rotational, Element::Damper) => Dimension::ROTATIONAL_DAMPING,
+            (Self::Rotational, Element::Inerter | Element::Mass) => Dimension::ROTATIONAL_INERTIA,
+            (Self::Electrical, Element::Spring) => Dimension::with_current(1, 2, -2, -2),
+            (Self::Electrical, Element::Damper) => Dimension::with_current(1, 2, -3, -2),
+            (Self::Electrical, Element::Inerter | Element::Mass) => {
+                Dimension::with_current(-1, -2, 4, 2)
+            }
+            (Self::Hydraulic, Element::Spring) => Dimension::new(-1, 4, 2, 0),
+            (Self::Hydraulic, Element::Damper) => Dimension::new(1, -4, -1, 0),
+            (Self::Hydraulic, Element::Inerter | Element::Mass) => Dimension::new(1, -4, 0, 0),
+        }
+    }
+
     /// SI unit of the element's value as text: `N/m`, `N*m*s/rad`, `H`, `kg/(s*m^4)` …
     #[must_use]
     pub const fn unit(self, element: Element) -> &'static str {
@@ -183,5 +206,29 @@ impl fmt::Display for Domain {
             Self::Electrical => "electrical",
             Self::Hydraulic => "hydraulic",
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use quell_expression::Unit;
+
+    use super::*;
+
+    #[test]
+    fn units_have_their_dimensions() {
+        for domain in Domain::ALL {
+            for (letter, element) in domain.letters() {
+                let unit = Unit::parse(domain.unit(*element)).unwrap();
+                assert_eq!(
+                    unit.dimension,
+                    domain.dimension(*element),
+                    "{domain} {letter}"
+                );
+                assert_eq!(unit.factor, 1.0);
+                assert_eq!(domain.element(*letter), Some(*element));
+                assert_eq!(domain.letter(*element), Some(*letter));
+            }
+        }
     }
 }

@@ -173,9 +173,15 @@ impl Kinds {
         })
     }
 
-    /// Rank in canonical order of a kind: a declared name, or a letter.
-    pub(crate) fn rank(&self, kind_name: &str) -> Option<usize> {
-        self.branch(kind_name).map(|branch| branch.rank)
+    /// The branch of a kind given by its declared name or by its letter alone.
+    pub(crate) fn kind(&self, kind: &str) -> Option<Branch> {
+        let known = self.declared.iter().any(|(declared, _)| declared == kind)
+            || self
+                .domain
+                .letters()
+                .iter()
+                .any(|(letter, _)| kind.strip_prefix(*letter) == Some(""));
+        if known { self.branch(kind) } else { None }
     }
 }
 

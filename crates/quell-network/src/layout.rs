@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
-use crate::standin::Span;
+use quell_expression::Span;
 
 use crate::kind::{Branch, Kind, Kinds};
 use crate::order::canonical_tree;

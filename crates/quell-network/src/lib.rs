@@ -8,7 +8,10 @@
 //! Conventions: force F, relative displacement x, admittance Y(s) = F/(s x), dynamic stiffness D(s) = s Y(s) = F/x; SI
 //! units throughout; the time factor is e^(jωt).
 
+mod degree;
 mod element;
+mod enumeration;
+mod gradient;
 mod kind;
 mod layout;
 mod network;
@@ -16,14 +19,19 @@ mod nodal;
 mod order;
 mod parse;
 mod program;
-mod standin;
+mod rational;
+mod transform;
 mod tree;
-pub use standin::Span;
 
+pub use degree::Order;
 pub use element::{Domain, Element};
+pub use enumeration::{Budget, Enumeration, EnumerationError, Equivalence, Layouts};
+pub use gradient::PartShare;
 pub use kind::{Branch, Kind, KindError, Kinds};
 pub use layout::{Layout, LayoutError};
 pub use network::{Network, NetworkElement, NetworkError, Part};
 pub use nodal::{Nodal, NodalBranch, Node};
 pub use program::{RatioGrid, Workspace};
+pub use rational::RationalFunction;
+pub use transform::{Merged, TransformError};
 pub use tree::Tree;

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::standin::{Span, nearest};
+use quell_expression::{Span, nearest};
 
 use crate::kind::{Branch, Kind, Kinds, continues_name, starts_name};
 use crate::{Layout, LayoutError, Tree};
