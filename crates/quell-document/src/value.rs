@@ -262,15 +262,13 @@ impl<'a> Value<'a> {
             in_words(wanted),
             in_words(quantity.dimension)
         ));
-        Err(if quantity.dimension == Dimension::NONE {
-            fault.help(if wanted == Dimension::ANGULAR_FREQUENCY {
-                "write a unit after the number: `Hz` or `rad/s`".to_owned()
-            } else {
-                format!(
-                    "write a unit after the number, such as `{}`",
-                    wanted.unit_text()
-                )
-            })
+        Err(if wanted == Dimension::ANGULAR_FREQUENCY {
+            fault.help("a frequency has the unit `Hz`, `rad/s` or `rpm`")
+        } else if quantity.dimension == Dimension::NONE {
+            fault.help(format!(
+                "write a unit after the number, such as `{}`",
+                wanted.unit_text()
+            ))
         } else {
             fault
         })
