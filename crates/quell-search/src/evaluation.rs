@@ -99,9 +99,12 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             .saturating_sub(self.evaluations)
     }
 
-    /// Whether `a` would be preferred to `b` as a result.
+    /// Whether `a` would be preferred to `b` as a result of this start.
+    ///
+    /// Within a start only a hundredth of the feasibility tolerance is used, or every search would end at the far edge
+    /// of the tolerance, where the objective is lowest, instead of at the constraint.
     pub(crate) fn prefers(&self, a: Value, b: Value) -> bool {
-        a.is_better_than(b, self.settings.feasibility)
+        a.is_better_than(b, 0.01 * self.settings.feasibility)
     }
 
     fn place(&mut self, coordinates: &[f64]) {

@@ -187,7 +187,7 @@ impl Minimax {
                 if fresh
                     || resets >= 2
                     || self
-                        .certificate(coordinates, value)
+                        .certificate(coordinates, value, evaluator.settings.magnitude)
                         .is_some_and(|c| c <= 1e-6)
                 {
                     return (Ending::Converged, value);
@@ -588,15 +588,15 @@ impl Minimax {
     }
 
     /// Length of the shortest vector in the convex hull of the active gradients, with multipliers for active
-    /// constraints and bounds, relative to the largest gradient of the objective's active pieces.
+    /// constraints and bounds, relative to the objective or the largest of these gradients, whichever is larger.
     ///
     /// It is minus the minimiser of `t + ½ |d|²` subject to `g_i·d <= t`, `∇c_ij·d <= 0` and the active bounds.
-    fn certificate(&mut self, coordinates: &[f64], value: Value) -> Option<f64> {
+    fn certificate(&mut self, coordinates: &[f64], value: Value, magnitude: f64) -> Option<f64> {
         let n = coordinates.len();
         let size = n + 1;
         self.rows.clear();
         self.limits.clear();
-        let mut largest = 0.0_f64;
+        let mut largest = value.objective.abs().max(magnitude);
         let near = ACTIVE * value.objective.abs();
         for (index, row) in self.model.rows.iter().enumerate() {
             let active = row.target.is_none() && row.value >= value.objective - near;
@@ -665,7 +665,7 @@ impl Minimax {
             return None;
         }
         self.model.fill(&self.pieces);
-        self.certificate(coordinates, value)
+        self.certificate(coordinates, value, evaluator.settings.magnitude)
     }
 }
 

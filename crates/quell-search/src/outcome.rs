@@ -36,7 +36,7 @@ pub struct StartResult {
     pub status: StartStatus,
     /// Minimax certificate where pieces with gradients exist: the length of the shortest vector in the convex hull of
     /// the active pieces' gradients (in scaled coordinates, with multipliers for active constraints and bounds),
-    /// relative to the largest of these gradients. Zero at a stationary point.
+    /// relative to the objective or the largest of these gradients, whichever is larger. Zero at a stationary point.
     pub certificate: Option<f64>,
 }
 

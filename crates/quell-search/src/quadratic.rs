@@ -319,3 +319,245 @@ fn rotation(a: f64, b: f64) -> (f64, f64, f64) {
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use clarabel::algebra::CscMatrix;
+    use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT};
+
+    use super::{Quadratic, Unsolved, dot};
+
+    struct Programme {
+        hessian: Vec<f64>,
+        linear: Vec<f64>,
+        rows: Vec<f64>,
+        limits: Vec<f64>,
+    }
+
+    /// Numbers in [-1, 1) from a linear congruential generator (Knuth's MMIX constants).
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        fn below(&mut self, count: usize) -> usize {
+            ((self.next() + 1.0) * 0.5 * count as f64) as usize
+        }
+    }
+
+    /// A minimax step: `n` variables in a box of radius `radius`, `t`, an elastic variable, random pieces, some of
+    /// them repeated so that degenerate active sets occur.
+    fn minimax_step(numbers: &mut Numbers) -> Programme {
+        let n = 1 + numbers.below(8);
+        let size = n + 2;
+        let mut hessian = vec![0.0; size * size];
+        let stiffness = 10.0_f64.powf(3.0 * numbers.next());
+        for _ in 0..n {
+            let v: Vec<f64> = (0..n).map(|_| numbers.next()).collect();
+            for i in 0..n {
+                for j in 0..n {
+                    hessian[i * size + j] += stiffness * v[i] * v[j];
+                }
+            }
+        }
+        for i in 0..n {
+            hessian[i * size + i] += 1e-3 * stiffness;
+        }
+        hessian[n * size + n] = 1e-2;
+        hessian[(n + 1) * size + n + 1] = 0.1;
+        let mut linear = vec![0.0; size];
+        linear[n] = 1.0;
+        linear[n + 1] = 10.0;
+        let (mut rows, mut limits) = (Vec::new(), Vec::new());
+        for piece in 0..1 + numbers.below(12) {
+            let constraint = piece > 0 && numbers.next() > 0.5;
+            if piece > 0 && numbers.next() > 0.8 {
+                let previous = rows.len() - size;
+                rows.extend_from_within(previous..);
+                limits.push(*limits.last().unwrap());
+                continue;
+            }
+            rows.extend((0..n).map(|_| numbers.next()));
+            rows.extend_from_slice(if constraint {
+                &[0.0, -1.0]
+            } else {
+                &[-1.0, 0.0]
+            });
+            limits.push(if piece == 0 {
+                0.0
+            } else {
+                0.3 * numbers.next().abs()
+            });
+        }
+        for i in 0..n {
+            for sign in [1.0, -1.0] {
+                let at = rows.len();
+                rows.resize(at + size, 0.0);
+                rows[at + i] = sign;
+                limits.push(if numbers.next() > 0.7 { 0.0 } else { 0.15 });
+            }
+        }
+        let at = rows.len();
+        rows.resize(at + size, 0.0);
+        rows[at + n + 1] = -1.0;
+        limits.push(0.0);
+        Programme {
+            hessian,
+            linear,
+            rows,
+            limits,
+        }
+    }
+
+    fn cost(programme: &Programme, z: &[f64]) -> f64 {
+        let n = z.len();
+        dot(&programme.linear, z)
+            + 0.5
+                * (0..n)
+                    .map(|i| z[i] * dot(&programme.hessian[i * n..(i + 1) * n], z))
+                    .sum::<f64>()
+    }
+
+    /// The same programme by an interior-point method.
+    fn oracle(programme: &Programme) -> Vec<f64> {
+        let n = programme.linear.len();
+        let m = programme.limits.len();
+        let dense =
+            |rows: usize, columns: usize, upper: bool, entry: &dyn Fn(usize, usize) -> f64| {
+                let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
+                for column in 0..columns {
+                    for row in 0..if upper { column + 1 } else { rows } {
+                        indices.push(row);
+                        values.push(entry(row, column));
+                    }
+                    starts.push(indices.len());
+                }
+                CscMatrix::new(rows, columns, starts, indices, values)
+            };
+        let hessian = dense(n, n, true, &|i, j| programme.hessian[i * n + j]);
+        let rows = dense(m, n, false, &|i, j| programme.rows[i * n + j]);
+        let settings = DefaultSettingsBuilder::default()
+            .verbose(false)
+            .build()
+            .unwrap();
+        let cones = [NonnegativeConeT(m)];
+        let mut solver = DefaultSolver::new(
+            &hessian,
+            &programme.linear,
+            &rows,
+            &programme.limits,
+            &cones,
+            settings,
+        )
+        .unwrap();
+        solver.solve();
+        solver.solution.x.clone()
+    }
+
+    /// Stationarity, feasibility, signs and complementarity of 20,000 random steps; the tolerances are roundings
+    /// times the largest magnitudes that occur (multipliers up to 10, curvature up to 1e3).
+    #[test]
+    fn optimality_conditions_hold() {
+        let mut numbers = Numbers(1);
+        let mut quadratic = Quadratic::default();
+        for _ in 0..20_000 {
+            let p = minimax_step(&mut numbers);
+            let n = p.linear.len();
+            quadratic
+                .solve(&p.hessian, &p.linear, &p.rows, &p.limits)
+                .unwrap();
+            let z = quadratic.solution();
+            for i in 0..n {
+                let mut residual = p.linear[i] + dot(&p.hessian[i * n..(i + 1) * n], z);
+                for (row, multiplier) in quadratic.multipliers().iter().enumerate() {
+                    residual += multiplier * p.rows[row * n + i];
+                }
+                assert!(residual.abs() < 1e-8, "stationarity {residual}");
+            }
+            for (row, (&limit, &multiplier)) in
+                p.limits.iter().zip(quadratic.multipliers()).enumerate()
+            {
+                let slack = limit - dot(&p.rows[row * n..(row + 1) * n], z);
+                assert!(slack > -1e-10, "feasibility {slack}");
+                assert!(multiplier >= 0.0);
+                assert!(
+                    (multiplier * slack).abs() < 1e-8,
+                    "complementarity {multiplier} {slack}"
+                );
+            }
+        }
+    }
+
+    /// An interior-point solver finds the same cost; 1e-6 because it stops at a relative gap of 1e-8.
+    #[test]
+    fn agrees_with_an_interior_point_solver() {
+        let mut numbers = Numbers(2);
+        let mut quadratic = Quadratic::default();
+        for _ in 0..500 {
+            let p = minimax_step(&mut numbers);
+            quadratic
+                .solve(&p.hessian, &p.linear, &p.rows, &p.limits)
+                .unwrap();
+            let (ours, theirs) = (cost(&p, quadratic.solution()), cost(&p, &oracle(&p)));
+            assert!(
+                (ours - theirs).abs() < 1e-6 * (1.0 + theirs.abs()),
+                "{ours} {theirs}"
+            );
+        }
+    }
+
+    #[test]
+    fn contradictory_rows_are_infeasible() {
+        let mut quadratic = Quadratic::default();
+        let result = quadratic.solve(&[1.0], &[0.0], &[1.0, -1.0], &[-1.0, -1.0]);
+        assert_eq!(result, Err(Unsolved::Infeasible));
+    }
+
+    #[test]
+    fn indefinite_or_unbounded_numbers_are_refused() {
+        let mut quadratic = Quadratic::default();
+        for curvature in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(
+                quadratic.solve(&[curvature], &[1.0], &[1.0], &[1.0]),
+                Err(Unsolved::NotConvex)
+            );
+        }
+        assert!(
+            quadratic
+                .solve(&[1.0], &[f64::NAN], &[1.0], &[1.0])
+                .is_err()
+        );
+        assert!(quadratic.solve(&[], &[], &[], &[]).is_ok());
+    }
+
+    #[test]
+    #[ignore = "a measurement: cargo test --release -p quell-search -- --ignored --nocapture cost_of_a_step"]
+    fn cost_of_a_step() {
+        let mut numbers = Numbers(3);
+        let programmes: Vec<Programme> = (0..2_000).map(|_| minimax_step(&mut numbers)).collect();
+        let mut quadratic = Quadratic::default();
+        let clock = std::time::Instant::now();
+        for p in &programmes {
+            quadratic
+                .solve(&p.hessian, &p.linear, &p.rows, &p.limits)
+                .unwrap();
+        }
+        let ours = clock.elapsed().as_secs_f64() / programmes.len() as f64;
+        let clock = std::time::Instant::now();
+        for p in &programmes {
+            std::hint::black_box(oracle(p));
+        }
+        let theirs = clock.elapsed().as_secs_f64() / programmes.len() as f64;
+        println!(
+            "dual active set {:.2} us, interior point {:.2} us",
+            ours * 1e6,
+            theirs * 1e6
+        );
+    }
+}

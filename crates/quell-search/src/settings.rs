@@ -23,9 +23,10 @@ pub struct Settings {
     /// Most evaluations that one start may take. Default `1000 n`, at least 2000, at most 8000. Starts with gradients
     /// usually end long before.
     pub evaluations_per_start: usize,
-    /// Points of the space-filling sample from which a start sets out. Default `8 + 4 n`.
+    /// Points of the space-filling sample from which a start sets out. Default 8: small samples keep
+    /// starts diverse, large ones send all of them to the widest basin.
     pub sample: usize,
-    /// Local searches of one start where gradients are available, from the best points of its sample. Default 2.
+    /// Local searches of one start where gradients are available, from the best points of its sample. Default 4.
     pub descents: usize,
     /// Pieces of the objective within this relative margin of the maximum are asked for. Default `0.5`.
     pub margin: f64,
@@ -43,8 +44,8 @@ impl Settings {
             convergence: 1e-9,
             active_bound: 1e-6,
             evaluations_per_start: (1000 * dimension).clamp(2000, 8000),
-            sample: 8 + 4 * dimension,
-            descents: 2,
+            sample: 8,
+            descents: 4,
             margin: 0.5,
         }
     }
