@@ -143,10 +143,15 @@ impl Tables {
                 if keys.same(root) || self.anchor(keys).is_some() {
                     return;
                 }
+                // Markdown renderers number headings of the same title so, the first one without a number.
                 let wanted = slug(keys.title);
+                let taken = |anchor: &str| {
+                    slug(root.title) == anchor
+                        || self.nested.iter().any(|named| named.anchor == anchor)
+                };
                 let mut anchor = wanted.clone();
-                let mut number = 1;
-                while self.nested.iter().any(|named| named.anchor == anchor) {
+                let mut number = 0;
+                while taken(&anchor) {
                     number += 1;
                     anchor = format!("{wanted}-{number}");
                 }

@@ -356,7 +356,7 @@ fn move_spans(expression: &mut Expression, place: impl Fn(Span) -> Span) {
         match &mut expression.node {
             Operation::Number(_) | Operation::Quantity { .. } | Operation::Name(_) => {}
             Operation::Negate(operand) | Operation::Derivative { operand, .. } => {
-                left.push(operand)
+                left.push(operand);
             }
             Operation::Binary {
                 left: a, right: b, ..
