@@ -1,10 +1,22 @@
-//! What the assembled system does: modes, frequency response, norms.
+//! What an assembled system does: modes, frequency response and norms of a linear host with devices.
+//!
+//! An [`Assembly`] joins a host and devices by stamping; element values come with every call as one slice, so that a search
+//! reuses all structure. [`Plan`] evaluates peaks of a transfer function quickly; [`certify`] bounds them independently;
+//! [`Assembly::modes`] and [`Assembly::realise`] use the minimal first-order form; [`h2`] gives variances.
+
 mod assembly;
 mod dense;
+mod eigen;
 mod error;
+mod frequency;
+mod modes;
+mod peak;
 mod realisation;
+mod receptance;
 mod structure;
 
 pub use assembly::{Assembly, Attached};
 pub use error::ResponseError;
+pub use frequency::{Peak, Piece, Plan, PlanSettings, Scratch};
+pub use modes::{Mode, ModeKind, Modes};
 pub use realisation::Realisation;
