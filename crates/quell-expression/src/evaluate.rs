@@ -14,10 +14,7 @@ impl Expression {
         if quantity.value.is_finite() {
             Ok(quantity)
         } else {
-            Err(ExpressionError::new(
-                self.span,
-                format!("`{self}` is not a finite number"),
-            ))
+            Err(not_finite(self))
         }
     }
 
@@ -49,7 +46,7 @@ impl Expression {
                 if *operator == BinaryOperator::Divide && b.value == 0.0 {
                     return Err(ExpressionError::new(
                         right.span,
-                        format!("`{right}` is zero, and it divides"),
+                        format!("`{}` is zero, and it divides", short(right)),
                     ));
                 }
                 Ok(Quantity::new(value, dimension))
@@ -71,25 +68,66 @@ impl Expression {
                     ExpressionError::new(span, message)
                 })
             }
-            Node::Derivative { .. } => Err(ExpressionError::new(
-                self.span,
-                format!("`{self}` is a time derivative, and nothing here varies in time"),
-            )),
-            Node::Comparison { .. } => Err(ExpressionError::new(
-                self.span,
-                format!("`{self}` is a comparison, where a number is expected"),
-            )),
+            Node::Derivative { .. } | Node::Comparison { .. } => Err(no_value(self)),
         }
     }
 }
 
-/// x^y; whole powers by multiplication, so that they are the same on every platform.
-pub(crate) fn power(base: f64, exponent: f64) -> f64 {
-    if exponent.fract() == 0.0 && exponent.abs() <= 64.0 {
-        base.powi(exponent as i32)
+/// The error for a value that is infinite or not a number.
+pub(crate) fn not_finite(expression: &Expression) -> ExpressionError {
+    ExpressionError::new(
+        expression.span,
+        format!("`{}` is not a finite number", short(expression)),
+    )
+}
+
+/// The error for an expression that has no value by itself.
+pub(crate) fn no_value(expression: &Expression) -> ExpressionError {
+    let text = short(expression);
+    let message = if matches!(expression.node, Node::Derivative { .. }) {
+        format!("`{text}` is a time derivative, and nothing here varies in time")
     } else {
-        base.powf(exponent)
+        format!("`{text}` is a comparison, where a number is expected")
+    };
+    ExpressionError::new(expression.span, message)
+}
+
+/// The expression as text, cut where it would swamp a message: the place says the rest.
+fn short(expression: &Expression) -> String {
+    const LONGEST: usize = 60;
+    let text = expression.to_string();
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", text.get(..end).unwrap_or("")),
+        None => text,
     }
+}
+
+/// x^y; moderate whole powers by multiplication alone, so that they have the same bits on every platform.
+pub(crate) fn power(base: f64, exponent: f64) -> f64 {
+    match as_whole(exponent) {
+        Some(whole) => whole_power(base, whole),
+        None => base.powf(exponent),
+    }
+}
+
+/// An exponent that [`whole_power`] takes.
+pub(crate) fn as_whole(exponent: f64) -> Option<i32> {
+    (exponent.fract() == 0.0 && exponent.abs() <= 64.0).then_some(exponent as i32)
+}
+
+/// x^n by repeated squaring; n = 0 gives 1 whatever x.
+#[inline]
+pub(crate) fn whole_power(base: f64, exponent: i32) -> f64 {
+    let mut left = exponent.unsigned_abs();
+    let (mut square, mut result) = (base, 1.0);
+    while left > 0 {
+        if left % 2 == 1 {
+            result *= square;
+        }
+        square *= square;
+        left /= 2;
+    }
+    if exponent < 0 { 1.0 / result } else { result }
 }
 
 fn named(name: &str, span: Span, scope: &dyn Scope) -> Result<Quantity, ExpressionError> {

@@ -251,13 +251,13 @@ impl Expression {
                 operator: BinaryOperator::Add | BinaryOperator::Subtract,
                 ..
             } => 1,
+            // A quantity's unit would swallow what follows it, so it is held together by parentheses in every product.
             Node::Binary {
                 operator: BinaryOperator::Multiply | BinaryOperator::Divide,
                 ..
-            } => 2,
+            }
+            | Node::Quantity { .. } => 2,
             Node::Negate(_) => 3,
-            // A quantity's unit would swallow what follows it, so it is held together by parentheses in every operation.
-            Node::Quantity { .. } => 2,
             Node::Binary {
                 operator: BinaryOperator::Power,
                 ..
@@ -310,7 +310,7 @@ impl fmt::Display for Expression {
                 place(formatter, left, leftmost)?;
                 match operator {
                     BinaryOperator::Add | BinaryOperator::Subtract => {
-                        write!(formatter, " {} ", operator.symbol())?
+                        write!(formatter, " {} ", operator.symbol())?;
                     }
                     _ => write!(formatter, "{}", operator.symbol())?,
                 }

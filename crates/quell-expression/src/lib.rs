@@ -11,14 +11,17 @@
 //! # Ok::<(), quell_expression::ExpressionError>(())
 //! ```
 
+mod derivative;
 mod dimension;
 mod evaluate;
 mod expression;
 mod function;
+mod graph;
 mod nearest;
 mod parser;
 mod quantity;
 mod span;
+mod tape;
 mod unit;
 
 pub use dimension::Dimension;
@@ -28,4 +31,5 @@ pub use function::Function;
 pub use nearest::nearest;
 pub use quantity::{NoNames, Quantity, Scope};
 pub use span::{ExpressionError, Span};
+pub use tape::{Tape, TapeBuilder};
 pub use unit::Unit;
