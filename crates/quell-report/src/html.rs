@@ -46,12 +46,21 @@ impl Page {
     }
 }
 
+/// A text with what stands between backticks set as code.
+fn prose(text: &str) -> Markup {
+    html! {
+        @for (index, piece) in text.split('`').enumerate() {
+            @if index % 2 == 1 { code { (piece) } } @else { (piece) }
+        }
+    }
+}
+
 /// Terms and what they are.
 fn facts(facts: &[Fact], class: &str) -> Markup {
     html! {
         @if !facts.is_empty() {
             dl.facts.(class) {
-                @for fact in facts { div { dt { (fact.term) } dd { (fact.text) } } }
+                @for fact in facts { div { dt { (fact.term) } dd { (prose(&fact.text)) } } }
             }
         }
     }
@@ -69,7 +78,7 @@ fn contents(tasks: &[TaskSection]) -> Markup {
             nav aria-label="Tasks" {
                 h2 { "Results at a glance" }
                 div.scroll {
-                    table.plain {
+                    table.plain.glance {
                         thead { tr { th { "Task" } th { "Result" } th.number { "Value" } th.number { "Improvement" } th.number { "Starts agreeing" } } }
                         tbody {
                             @for (index, task) in tasks.iter().enumerate() { (glance(task, index)) }
@@ -99,10 +108,10 @@ fn glance(task: &TaskSection, index: usize) -> Markup {
                     td.number { (design::quantity(&best.objective)) }
                     td.number {
                         @if let (Some(gain), Some(reference)) = (best.improvements.first(), task.references.first()) {
-                            (crate::number::percent(*gain)) span.soft { " on " (reference.name) }
+                            (crate::number::percent(*gain)) span.soft.on { " on " (reference.name) }
                         }
                     }
-                    td.number { (best.starts_agreeing) " of " (best.starts) }
+                    td.number data-label="starts" { (best.starts_agreeing) " of " (best.starts) }
                 } @else { td { (task.status.as_deref().unwrap_or("no design")) } td {} td {} td {} }
             } @else {
                 td { (count(task.configurations.len(), "configuration", "configurations")) " evaluated" }

@@ -8,7 +8,7 @@ use crate::symbols::Symbol;
 /// What a drawing of a layout shows besides the names.
 #[derive(Debug, Clone, Default)]
 pub struct Annotations {
-    /// Shown values with their units by name, in order: `k1` for an element, `track1.dL` for a component's variable.
+    /// Shown values with their units by name, in order: `k1` for an element, `tube1.dL` for a component's variable.
     pub values: Vec<(String, String)>,
     /// What each kind of component consists of.
     pub components: Vec<(String, Layout)>,
@@ -18,7 +18,10 @@ pub struct Annotations {
 
 impl Annotations {
     fn value(&self, name: &str) -> Option<String> {
-        self.values.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone())
+        self.values
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, value)| value.clone())
     }
 
     /// Lines such as `dL = 0.5402` for the variables of one instance.
@@ -43,16 +46,27 @@ impl Part {
     }
 }
 
-fn tree(node: &Tree<quell_network::Branch>, domain: Domain, annotations: &Annotations, depth: usize) -> Part {
+fn tree(
+    node: &Tree<quell_network::Branch>,
+    domain: Domain,
+    annotations: &Annotations,
+    depth: usize,
+) -> Part {
     let children = |children: &[Tree<quell_network::Branch>]| {
-        children.iter().map(|child| tree(child, domain, annotations, depth + 1)).collect::<Vec<_>>()
+        children
+            .iter()
+            .map(|child| tree(child, domain, annotations, depth + 1))
+            .collect::<Vec<_>>()
     };
     match node {
         Tree::Series(parts) => Part::Series(children(parts)),
         Tree::Parallel(parts) => Part::Parallel(children(parts)),
         Tree::Leaf(branch) => {
             let find = |known: &[(String, Layout)], name: &str| {
-                known.iter().find(|(known, _)| known == name && depth < DEEPEST).map(|(_, layout)| layout.clone())
+                known
+                    .iter()
+                    .find(|(known, _)| known == name && depth < DEEPEST)
+                    .map(|(_, layout)| layout.clone())
             };
             match &branch.kind {
                 Kind::Element(element) => Part::Element {
@@ -65,13 +79,29 @@ fn tree(node: &Tree<quell_network::Branch>, domain: Domain, annotations: &Annota
                     values: annotations.variables(&branch.name),
                     inner: Box::new(match find(&annotations.components, kind) {
                         // Values inside a component follow from its variables, so only names are shown there.
-                        Some(layout) => tree(layout.tree(), layout.domain(), &Annotations { values: Vec::new(), ..annotations.clone() }, depth + 1),
-                        None => Part::Element { symbol: Symbol::Box, name: String::new(), value: None },
+                        Some(layout) => tree(
+                            layout.tree(),
+                            layout.domain(),
+                            &Annotations {
+                                values: Vec::new(),
+                                ..annotations.clone()
+                            },
+                            depth + 1,
+                        ),
+                        None => Part::Element {
+                            symbol: Symbol::Box,
+                            name: String::new(),
+                            value: None,
+                        },
                     }),
                 },
                 Kind::Placeholder => match find(&annotations.placeholders, &branch.name) {
                     Some(layout) => tree(layout.tree(), layout.domain(), annotations, depth + 1),
-                    None => Part::Element { symbol: Symbol::Box, name: branch.name.clone(), value: annotations.value(&branch.name) },
+                    None => Part::Element {
+                        symbol: Symbol::Box,
+                        name: branch.name.clone(),
+                        value: annotations.value(&branch.name),
+                    },
                 },
             }
         }

@@ -94,7 +94,9 @@ pub fn unit(text: &str) -> String {
             '^' => raised = true,
             '-' if raised => shown.push('⁻'),
             digit if raised && digit.is_ascii_digit() => {
-                shown.push_str(&superscript(i32::from(u8::try_from(digit).unwrap_or(b'0') - b'0')));
+                shown.push_str(&superscript(i32::from(
+                    u8::try_from(digit).unwrap_or(b'0') - b'0',
+                )));
             }
             other => {
                 raised = false;

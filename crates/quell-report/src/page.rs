@@ -32,7 +32,10 @@ pub struct Fact {
 impl Fact {
     /// A term and what it is.
     pub fn new(term: impl Into<String>, text: impl Into<String>) -> Self {
-        Self { term: term.into(), text: text.into() }
+        Self {
+            term: term.into(),
+            text: text.into(),
+        }
     }
 }
 
@@ -96,7 +99,10 @@ pub struct Quantity {
 impl Quantity {
     /// A number with its unit.
     pub fn new(value: f64, unit: impl Into<String>) -> Self {
-        Self { value, unit: unit.into() }
+        Self {
+            value,
+            unit: unit.into(),
+        }
     }
 }
 
@@ -121,7 +127,11 @@ impl Bounds {
 
     /// The bound that `value` lies nearer to.
     pub fn nearer(&self, value: f64) -> Side {
-        if self.position(value).is_some_and(|position| position < 0.5) { Side::Lower } else { Side::Upper }
+        if self.position(value).is_some_and(|position| position < 0.5) {
+            Side::Lower
+        } else {
+            Side::Upper
+        }
     }
 }
 
@@ -218,7 +228,7 @@ pub struct Device {
 /// A value of a configuration.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DesignValue {
-    /// Its name, such as `k1` or `track1.dL`.
+    /// Its name, such as `k1` or `tube1.dL`.
     pub name: String,
     /// The value.
     pub value: Quantity,

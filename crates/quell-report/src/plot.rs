@@ -81,7 +81,7 @@ const BASELINE: &str = "var(--baseline, #7a828a)";
 const BASELINE_DASHES: &str = "7 4";
 const INK: &str = "var(--ink, #1b1f23)";
 const GRID: &str = "var(--grid, #e3e6e9)";
-const LIMIT: &str = "var(--alarm, #b3261e)";
+pub(crate) const LIMIT: &str = "var(--alarm, #b3261e)";
 
 /// More points than this are thinned to the extremes of each interval, which no screen can tell apart.
 const MOST_POINTS: usize = 900;
@@ -100,14 +100,28 @@ impl Plot {
         self.series
             .iter()
             .map(|series| match series.role {
-                Role::Baseline => Stroke { colour: BASELINE, dashes: Some(BASELINE_DASHES) },
+                Role::Baseline => Stroke {
+                    colour: BASELINE,
+                    dashes: Some(BASELINE_DASHES),
+                },
                 Role::Reference => {
                     references += 1;
-                    Stroke { colour: REFERENCE, dashes: REFERENCE_DASHES.get((references - 1) % REFERENCE_DASHES.len()).copied() }
+                    Stroke {
+                        colour: REFERENCE,
+                        dashes: REFERENCE_DASHES
+                            .get((references - 1) % REFERENCE_DASHES.len())
+                            .copied(),
+                    }
                 }
                 Role::Design => {
                     designs += 1;
-                    Stroke { colour: DESIGNS.get((designs - 1) % DESIGNS.len()).copied().unwrap_or(INK), dashes: None }
+                    Stroke {
+                        colour: DESIGNS
+                            .get((designs - 1) % DESIGNS.len())
+                            .copied()
+                            .unwrap_or(INK),
+                        dashes: None,
+                    }
                 }
             })
             .collect()
@@ -115,7 +129,11 @@ impl Plot {
 
     /// The plot as a file of its own, with its legend under the axes.
     pub fn standalone(&self, width: f64, height: f64) -> String {
-        self.render(width, height, true, "plot").replacen("<svg ", r#"<svg xmlns="http://www.w3.org/2000/svg" "#, 1)
+        self.render(width, height, true, "plot").replacen(
+            "<svg ",
+            r#"<svg xmlns="http://www.w3.org/2000/svg" "#,
+            1,
+        )
     }
 
     /// The plot as an `<svg>` element without a legend; `id` is unique on the page.
@@ -124,7 +142,10 @@ impl Plot {
     }
 
     fn visible(&self, (x, y): (f64, f64)) -> bool {
-        x.is_finite() && y.is_finite() && (!self.x.logarithmic || x > 0.0) && (!self.y.logarithmic || y > 0.0)
+        x.is_finite()
+            && y.is_finite()
+            && (!self.x.logarithmic || x > 0.0)
+            && (!self.y.logarithmic || y > 0.0)
     }
 
     /// A series' visible points as unbroken pieces.
@@ -142,12 +163,21 @@ impl Plot {
         for (series, stroke) in self.series.iter().zip(self.strokes()) {
             for (index, piece) in self.pieces(series).into_iter().enumerate() {
                 if series.markers {
-                    layers.push(ScatterPlot::new().with_data(piece.clone()).with_color(stroke.colour).with_size(3.2).into());
+                    layers.push(
+                        ScatterPlot::new()
+                            .with_data(piece.clone())
+                            .with_color(stroke.colour)
+                            .with_size(3.2)
+                            .into(),
+                    );
                 }
-                let mut line = LinePlot::new().with_data(piece).with_color(stroke.colour).with_stroke_width(match series.role {
-                    Role::Design => 2.0,
-                    _ => 1.5,
-                });
+                let mut line = LinePlot::new()
+                    .with_data(piece)
+                    .with_color(stroke.colour)
+                    .with_stroke_width(match series.role {
+                        Role::Design => 2.0,
+                        _ => 1.5,
+                    });
                 if let Some(dashes) = stroke.dashes {
                     line = line.with_line_style(LineStyle::Custom(dashes.to_owned()));
                 }
@@ -159,7 +189,13 @@ impl Plot {
         }
         for (series, stroke) in self.series.iter().zip(self.strokes()) {
             if let Some(peak) = series.peak.filter(|peak| self.visible(*peak)) {
-                layers.push(ScatterPlot::new().with_data(vec![peak]).with_color(stroke.colour).with_size(4.0).into());
+                layers.push(
+                    ScatterPlot::new()
+                        .with_data(vec![peak])
+                        .with_color(stroke.colour)
+                        .with_size(4.0)
+                        .into(),
+                );
             }
         }
         let shown: Vec<(f64, f64)> = self
@@ -176,7 +212,14 @@ impl Plot {
         fit(&svg, width, height, id, &self.caption)
     }
 
-    fn layout(&self, layers: &[Layer], shown: &[(f64, f64)], width: f64, height: f64, legend: bool) -> Layout {
+    fn layout(
+        &self,
+        layers: &[Layer],
+        shown: &[(f64, f64)],
+        width: f64,
+        height: f64,
+        legend: bool,
+    ) -> Layout {
         let theme = Theme {
             background: "none".into(),
             axis_color: INK.into(),
@@ -200,29 +243,78 @@ impl Plot {
             .with_axis_line_width(1.0)
             .with_tick_width(1.0)
             .with_grid_line_width(0.8)
-            .with_tick_format(TickFormat::Custom(std::sync::Arc::new(|value| compact(value, 4))));
+            .with_tick_format(TickFormat::Custom(std::sync::Arc::new(|value| {
+                compact(value, 4)
+            })));
         if legend {
-            layout = layout.with_legend_position(LegendPosition::OutsideBottomColumns).with_legend_box(false);
+            layout = layout
+                .with_legend_position(LegendPosition::OutsideBottomColumns)
+                .with_legend_box(false);
         }
         let (left, right) = range(shown.iter().map(|point| point.0));
-        let (low, high) = range(shown.iter().map(|point| point.1).chain(self.limits.iter().map(|limit| limit.1)));
+        let (low, high) = range(
+            shown
+                .iter()
+                .map(|point| point.1)
+                .chain(self.limits.iter().map(|limit| limit.1)),
+        );
         if self.x.logarithmic {
             layout = layout.with_log_x();
-        } else if left < right {
-            layout = layout.with_x_axis_min(left).with_x_axis_max(right);
+        }
+        if left < right {
+            // A sweep that starts just beside zero is shown from zero.
+            let start = if !self.x.logarithmic && left > 0.0 && left < 0.05 * right {
+                0.0
+            } else {
+                left
+            };
+            // Marks at the ends are not to be cut in half.
+            let spare = if self.series.iter().any(|series| series.markers) {
+                0.02
+            } else {
+                0.0
+            };
+            layout = if self.x.logarithmic {
+                let factor = (right / left).powf(spare);
+                layout
+                    .with_x_axis_min(left / factor)
+                    .with_x_axis_max(right * factor)
+            } else {
+                let room = spare * (right - start);
+                layout
+                    .with_x_axis_min(start - room)
+                    .with_x_axis_max(right + room)
+            };
         }
         if self.y.logarithmic {
             layout = layout.with_log_y();
+            if low < high {
+                layout = layout
+                    .with_y_axis_min(low / 1.15)
+                    .with_y_axis_max(high * 1.15);
+            }
         } else {
             // A response that comes near zero is shown from zero, so that heights can be compared by eye.
             let near_zero = low >= 0.0 && low < 0.4 * high;
-            let spread = if high > low { high - low } else { high.abs().max(1.0) };
+            let spread = if high > low {
+                high - low
+            } else {
+                high.abs().max(1.0)
+            };
             let bottom = if near_zero { 0.0 } else { low - 0.06 * spread };
-            layout = layout.with_y_axis_min(bottom).with_y_axis_max(high + 0.06 * spread);
+            layout = layout
+                .with_y_axis_min(bottom)
+                .with_y_axis_max(high + 0.06 * spread);
         }
         for (text, value) in &self.limits {
             if value.is_finite() && (!self.y.logarithmic || *value > 0.0) {
-                layout = layout.with_reference_line(ReferenceLine::horizontal(*value).with_label(plain(text)).with_color(LIMIT));
+                let line = ReferenceLine::horizontal(*value).with_color(LIMIT);
+                // On a page the legend says what the line is, clear of the curves.
+                layout = layout.with_reference_line(if legend {
+                    line.with_label(plain(text))
+                } else {
+                    line
+                });
             }
         }
         layout
@@ -230,7 +322,11 @@ impl Plot {
 }
 
 fn titled(axis: &Axis) -> String {
-    if axis.unit.is_empty() { axis.label.clone() } else { format!("{} ({})", axis.label, unit(&axis.unit)) }
+    if axis.unit.is_empty() {
+        axis.label.clone()
+    } else {
+        format!("{} ({})", axis.label, unit(&axis.unit))
+    }
 }
 
 /// The plotting crate reads dollars as mathematics.
@@ -241,7 +337,9 @@ fn plain(text: &str) -> String {
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values
         .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        })
 }
 
 /// Keeps the first, lowest, highest and last point of each interval where there are too many.
@@ -263,7 +361,11 @@ fn thin(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         }
         let mut indices = [0, lowest.min(highest), lowest.max(highest)].to_vec();
         indices.dedup();
-        kept.extend(indices.into_iter().filter_map(|index| chunk.get(index).copied()));
+        kept.extend(
+            indices
+                .into_iter()
+                .filter_map(|index| chunk.get(index).copied()),
+        );
     }
     kept.extend(points.last().copied());
     kept
@@ -277,22 +379,37 @@ fn empty(width: f64, height: f64) -> String {
 
 /// Makes the plotting crate's file an element of a page: a view box, ids of its own, a title.
 fn fit(svg: &str, width: f64, height: f64, id: &str, title: &str) -> String {
-    let Some((head, body)) = svg.split_once('>') else { return svg.to_owned() };
+    let Some((head, body)) = svg.split_once('>') else {
+        return svg.to_owned();
+    };
     let attribute = |name: &str| {
         let start = head.find(&format!(" {name}=\""))? + name.len() + 3;
         head.get(start..)?.split('"').next()?.parse::<f64>().ok()
     };
-    let (width, height) = (attribute("width").unwrap_or(width), attribute("height").unwrap_or(height));
+    let (width, height) = (
+        attribute("width").unwrap_or(width),
+        attribute("height").unwrap_or(height),
+    );
     let mut fitted = String::with_capacity(svg.len() + 200);
     let _ = write!(
         fitted,
-        r#"<svg viewBox="0 0 {width:.0} {height:.0}" role="img" font-family="inherit" fill="{INK}"><title>{}</title>"#,
+        r#"<svg viewBox="0 0 {:.0} {height:.0}" role="img" font-family="inherit" fill="{INK}"><title>{}</title>"#,
+        // Half of the last tick's label lies beyond the axes.
+        width + 14.0,
         escape(title)
     );
     let body = match (body.find("<!--"), body.find("-->")) {
-        (Some(start), Some(end)) if start < end => format!("{}{}", body.get(..start).unwrap_or_default(), body.get(end + 3..).unwrap_or_default()),
+        (Some(start), Some(end)) if start < end => format!(
+            "{}{}",
+            body.get(..start).unwrap_or_default(),
+            body.get(end + 3..).unwrap_or_default()
+        ),
         _ => body.to_owned(),
     };
-    fitted.push_str(&body.replace("id=\"", &format!("id=\"{id}-")).replace("url(#", &format!("url(#{id}-")));
+    fitted.push_str(
+        &body
+            .replace("id=\"", &format!("id=\"{id}-"))
+            .replace("url(#", &format!("url(#{id}-")),
+    );
     fitted
 }

@@ -82,17 +82,23 @@ impl Symbol {
             }
             Self::Inerter => {
                 // Rack on the axis with teeth towards the flywheel, which turns in a housing on the far terminal.
-                path("M0-17V9M0-8l2.6 1.4L0-5.2l2.6 1.4L0-2.4 2.6-1 0 .4 2.6 1.8 0 3.2 2.6 4.6 0 6M-7-10V13H18V-10M0 13V17")
-                    + r#"<circle cx="10" cy="-.5" r="6.6" fill="currentColor" fill-opacity=".14"/><circle cx="10" cy="-.5" r="1.1" fill="currentColor"/>"#
+                path(
+                    "M0-17V9M0-8l2.6 1.4L0-5.2l2.6 1.4L0-2.4 2.6-1 0 .4 2.6 1.8 0 3.2 2.6 4.6 0 6M-7-10V13H18V-10M0 13V17",
+                ) + r#"<circle cx="10" cy="-.5" r="6.6" fill="currentColor" fill-opacity=".14"/><circle cx="10" cy="-.5" r="1.1" fill="currentColor"/>"#
             }
             Self::Mass => {
-                path("M0-17V-11") + r#"<path fill="currentColor" fill-opacity=".14" d="M-15-11H15V11H-15Z"/>"#
+                path("M0-17V-11")
+                    + r#"<path fill="currentColor" fill-opacity=".14" d="M-15-11H15V11H-15Z"/>"#
             }
             Self::Inertance => path(&helix()),
             Self::Restriction => path("M0-17V17M-8.5-9.5Q1 0-8.5 9.5M8.5-9.5Q-1 0 8.5 9.5"),
-            Self::Compliance => path("M0-17V-11.5M0 11.5V17M-4-11.5H4A6 6 0 0 1 10-5.5V5.5A6 6 0 0 1 4 11.5H-4A6 6 0 0 1-10 5.5V-5.5A6 6 0 0 1-4-11.5ZM-10-2Q0 6.5 10-2"),
+            Self::Compliance => path(
+                "M0-17V-11.5M0 11.5V17M-4-11.5H4A6 6 0 0 1 10-5.5V5.5A6 6 0 0 1 4 11.5H-4A6 6 0 0 1-10 5.5V-5.5A6 6 0 0 1-4-11.5ZM-10-2Q0 6.5 10-2",
+            ),
             Self::Resistor => path("M0-17V-11.5M0 11.5V17M-6-11.5H6V11.5H-6Z"),
-            Self::Inductor => path("M0-17V-12a5 3 0 0 1 0 6a5 3 0 0 1 0 6a5 3 0 0 1 0 6a5 3 0 0 1 0 6V17"),
+            Self::Inductor => {
+                path("M0-17V-12a5 3 0 0 1 0 6a5 3 0 0 1 0 6a5 3 0 0 1 0 6a5 3 0 0 1 0 6V17")
+            }
             Self::Capacitor => path("M0-17V-3M0 3V17M-9.5-3H9.5M-9.5 3H9.5"),
             Self::Box => path("M0-17V-11M0 11V17M-11-11H11V11H-11Z"),
         }
@@ -103,18 +109,20 @@ fn path(data: &str) -> String {
     format!(r#"<path d="{data}"/>"#)
 }
 
-/// A pipe wound to a helix, seen from the side: a prolate cycloid of three turns with straight ends.
+/// A pipe wound to a helix, seen from the side: a prolate cycloid, mirror-symmetric with three loops.
 fn helix() -> String {
-    const TURNS: usize = 3;
+    const LOOPS: usize = 3;
     const POINTS_PER_TURN: usize = 14;
     /// Half the depth of a turn along the axis; above pitch/2π, so that every turn crosses itself.
-    const DEPTH: f64 = 2.7;
-    let steps = TURNS * POINTS_PER_TURN;
+    const DEPTH: f64 = 2.4;
+    // A half turn more than there are loops brings both ends in from the same side.
+    let steps = LOOPS * POINTS_PER_TURN + POINTS_PER_TURN / 2;
     let mut data = String::from("M0-17V-13.5");
     for step in 1..steps {
         let angle = std::f64::consts::TAU * step as f64 / POINTS_PER_TURN as f64;
         let across = 8.0 * angle.sin();
-        let along = -13.5 + 27.0 * step as f64 / steps as f64 + DEPTH * (1.0 - angle.cos()) - DEPTH * (step as f64 / steps as f64).powi(8);
+        let along =
+            -13.5 + (27.0 - 2.0 * DEPTH) * step as f64 / steps as f64 + DEPTH * (1.0 - angle.cos());
         let _ = write!(data, "L{across:.1} {along:.1}");
     }
     data.push_str("L0 13.5V17");

@@ -62,17 +62,26 @@ pub(super) fn small(devices: &[Device]) -> Markup {
 /// Name, value, unit and place between the bounds, one row for each.
 pub(super) fn values_table(devices: &[Device]) -> Markup {
     let values = || devices.iter().flat_map(|device| device.values.iter());
+    let units = values().any(|value| !value.value.unit.is_empty());
+    let bounds = values().any(|value| value.bounds.is_some());
     html! {
         @if values().next().is_some() {
             div.scroll { table.plain.values {
-                thead { tr { th { "Variable" } th.number { "Value" } th { "Unit" } th { "Between its bounds" } } }
+                thead { tr {
+                    th { "Variable" } th.number { "Value" }
+                    @if units { th { "Unit" } }
+                    @if bounds { th { "Between its bounds" } }
+                } }
                 tbody {
-                    @for value in values() {
-                        tr {
-                            th scope="row" { code { (value.name) } }
-                            td.number { (significant(value.value.value, SIGNIFICANT_DIGITS)) }
-                            td { (unit(&value.value.unit)) }
-                            td { @if let Some(bounds) = &value.bounds { (gauge(value, *bounds)) } @else { span.soft { "fixed" } } }
+                    @for device in devices {
+                        @if devices.len() > 1 && !device.values.is_empty() { tr { th.group colspan="4" { (device.name) } } }
+                        @for value in &device.values {
+                            tr {
+                                th scope="row" { code { (value.name) } }
+                                td.number { (significant(value.value.value, SIGNIFICANT_DIGITS)) }
+                                @if units { td { (unit(&value.value.unit)) } }
+                                @if bounds { td { @if let Some(bounds) = &value.bounds { (gauge(value, *bounds)) } @else { span.soft { "fixed" } } } }
+                            }
                         }
                     }
                 }
@@ -81,14 +90,14 @@ pub(super) fn values_table(devices: &[Device]) -> Markup {
     }
 }
 
-/// Where a value lies between its bounds.
+/// Where a value lies between its bounds; an active bound stands out by colour, weight and words.
 fn gauge(value: &DesignValue, bounds: Bounds) -> Markup {
     let position = bounds.position(value.value.value).unwrap_or(0.5);
     html! {
         span.gauge {
-            span.end { (compact(bounds.lower, 4)) }
-            span.track.log[bounds.logarithmic] { i.active[value.active.is_some()] style={ "left:" (format!("{:.1}", 100.0 * position)) "%" } {} }
-            span.end { (compact(bounds.upper, 4)) }
+            span.end.active[value.active == Some(Side::Lower)] { (compact(bounds.lower, 4)) }
+            span.rail.log[bounds.logarithmic] { i.active[value.active.is_some()] style={ "left:" (format!("{:.1}", 100.0 * position)) "%" } {} }
+            span.end.active[value.active == Some(Side::Upper)] { (compact(bounds.upper, 4)) }
             @if let Some(side) = value.active { span.tag.alarm { (side_word(side)) } }
         }
     }
@@ -104,8 +113,8 @@ fn side_word(side: Side) -> &'static str {
 /// The values in one line, for rows of tables; a value at a bound is marked.
 pub(super) fn values_line(devices: &[Device]) -> Markup {
     html! {
-        div.values-line {
-            @for value in devices.iter().flat_map(|device| device.values.iter()) {
+        @for device in devices { div.values-line {
+            @for value in &device.values {
                 span.pair {
                     span.name { (value.name) } "\u{a0}"
                     (number_with_unit(value.value.value, &value.value.unit))
@@ -116,13 +125,15 @@ pub(super) fn values_line(devices: &[Device]) -> Markup {
                     }
                 }
             }
-        }
+        } }
     }
 }
 
 /// Whether any value of these devices lies at a bound.
 pub(super) fn any_active(devices: &[Device]) -> bool {
-    devices.iter().any(|device| device.values.iter().any(|value| value.active.is_some()))
+    devices
+        .iter()
+        .any(|device| device.values.iter().any(|value| value.active.is_some()))
 }
 
 /// A cell with a criterion's value.

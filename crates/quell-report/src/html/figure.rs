@@ -3,14 +3,16 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::design::number_with_unit;
-use crate::plot::Plot;
+use super::prose;
+use crate::number::{significant, unit};
+use crate::plot::{LIMIT, Plot};
 
 /// A plot with its legend and caption; `id` is unique on the page.
 pub(super) fn figure(plot: &Plot, id: &str) -> Markup {
     html! {
         figure.plot {
             // Two renderings, because text in a scaled picture is unreadable on a phone; style shows one of them.
-            div.broad { (PreEscaped(plot.inline(880.0, 400.0, &format!("{id}-w")))) }
+            div.broad { (PreEscaped(plot.inline(880.0, 360.0, &format!("{id}-w")))) }
             div.slim aria-hidden="true" { (PreEscaped(plot.inline(400.0, 330.0, &format!("{id}-n")))) }
             ul.legend {
                 @for (series, stroke) in plot.series.iter().zip(plot.strokes()) {
@@ -21,12 +23,21 @@ pub(super) fn figure(plot: &Plot, id: &str) -> Markup {
                         }
                         span { (series.name) }
                         @if let Some((x, y)) = series.peak {
-                            span.soft { (number_with_unit(y, &plot.y.unit)) " at " (number_with_unit(x, &plot.x.unit)) }
+                            span.soft { (number_with_unit(y, &plot.y.unit)) " at " (significant(x, 4)) @if !plot.x.unit.is_empty() { "\u{a0}" (unit(&plot.x.unit)) } }
                         }
                     }
                 }
+                @for (text, height) in plot.limits.iter().filter(|(_, height)| height.is_finite()) {
+                    li {
+                        svg viewBox="0 0 30 10" width="30" height="10" aria-hidden="true" {
+                            path d="M1 5H29" fill="none" stroke=(LIMIT) stroke-width="1.4" stroke-dasharray="6 3" {}
+                        }
+                        span { (text) }
+                        span.soft { (number_with_unit(*height, &plot.y.unit)) }
+                    }
+                }
             }
-            @if !plot.caption.is_empty() { figcaption { (plot.caption) } }
+            @if !plot.caption.is_empty() { figcaption { (prose(&plot.caption)) } }
         }
     }
 }

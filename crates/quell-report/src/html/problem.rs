@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::facts;
+use super::{facts, prose};
 use crate::number::{SIGNIFICANT_DIGITS, compact, unit};
 use crate::page::Problem;
 
@@ -11,7 +11,7 @@ pub(super) fn section(problem: &Problem) -> Markup {
     html! {
         section #problem {
             h2 { "Problem" }
-            @for paragraph in &problem.paragraphs { p.prose { (paragraph) } }
+            @for paragraph in &problem.paragraphs { p.prose { (prose(paragraph)) } }
             (facts(&problem.facts, "wide"))
             div.columns {
                 @if !problem.criteria.is_empty() {
@@ -21,7 +21,7 @@ pub(super) fn section(problem: &Problem) -> Markup {
                             thead { tr { th { "Name" } th { "Meaning" } th { "Unit" } } }
                             tbody {
                                 @for criterion in &problem.criteria {
-                                    tr { th scope="row" { code { (criterion.name) } } td { (criterion.meaning) } td { (unit_or_dash(&criterion.unit)) } }
+                                    tr { th scope="row" { code { (criterion.name) } } td { (prose(&criterion.meaning)) } td { (unit_or_dash(&criterion.unit)) } }
                                 }
                             }
                         } }
@@ -75,5 +75,9 @@ pub(super) fn section(problem: &Problem) -> Markup {
 }
 
 fn unit_or_dash(text: &str) -> String {
-    if text.is_empty() { "–".to_owned() } else { unit(text) }
+    if text.is_empty() {
+        "–".to_owned()
+    } else {
+        unit(text)
+    }
 }

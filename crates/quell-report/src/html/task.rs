@@ -2,11 +2,16 @@
 
 use maud::{Markup, html};
 
-use super::design::{any_active, criterion_cell, criterion_head, large, quantity, small, values_line, values_table};
+use super::design::{
+    any_active, criterion_cell, criterion_head, large, number_with_unit, quantity, small,
+    values_line, values_table,
+};
 use super::figure::figure;
-use super::{anchor, count};
-use crate::number::percent;
-use crate::page::{Configuration, Design, Parameter, ReferenceRow, SweepPoint, TaskKind, TaskSection};
+use super::{anchor, count, prose};
+use crate::number::{SIGNIFICANT_DIGITS, compact, percent, unit};
+use crate::page::{
+    Configuration, Design, Parameter, ReferenceRow, SweepPoint, TaskKind, TaskSection,
+};
 use crate::plot::{Axis, Plot, Role, Series};
 
 /// Ranks after the first that are shown without being asked for.
@@ -22,7 +27,7 @@ pub(super) fn section(task: &TaskSection, index: usize) -> Markup {
                 span.kind { @match task.kind { TaskKind::Design => "design", TaskKind::Evaluate => "evaluate" } }
                 @if let Some(status) = &task.status { span.tag.alarm { (status) } }
             }
-            @for words in &task.words { p.prose { (words) } }
+            @for words in &task.words { p.prose { (prose(words)) } }
             @if task.sweep.is_empty() {
                 (results(task, &task.designs, &task.configurations, &id))
             } @else {
@@ -32,12 +37,21 @@ pub(super) fn section(task: &TaskSection, index: usize) -> Markup {
     }
 }
 
-fn results(task: &TaskSection, designs: &[Design], configurations: &[Configuration], id: &str) -> Markup {
+fn results(
+    task: &TaskSection,
+    designs: &[Design],
+    configurations: &[Configuration],
+    id: &str,
+) -> Markup {
     html! {
         @if let Some(best) = designs.first() { (winner(task, best, designs.len())) }
+        @match configurations {
+            [] => {},
+            [only] => (single(task, only)),
+            _ => (configurations_table(task, configurations)),
+        }
         @for (index, plot) in task.plots.iter().enumerate() { (figure(plot, &format!("{id}-plot-{index}"))) }
-        @if !configurations.is_empty() { (configurations_table(task, configurations)) }
-        @if task.criteria.len() > 1 || !task.references.is_empty() { (comparison(task, designs.first())) }
+        @if task.kind == TaskKind::Design && (task.criteria.len() > 1 || !task.references.is_empty()) { (comparison(task, designs.first())) }
         @if designs.len() > 1 { (ranks(task, designs)) }
     }
 }
@@ -74,10 +88,36 @@ fn winner(task: &TaskSection, best: &Design, designs: usize) -> Markup {
     }
 }
 
+/// An only configuration, large.
+fn single(task: &TaskSection, only: &Configuration) -> Markup {
+    html! {
+        div.winner {
+            div.networks { (large(&only.devices)) }
+            div.numbers {
+                p.headline { span.what { (only.name) } }
+                table.plain {
+                    tbody {
+                        @for (column, value) in task.criteria.iter().zip(&only.criteria) {
+                            tr {
+                                th scope="row" { code { (column.name) } @if !column.role.is_empty() { span.note { (column.role) } } }
+                                td.number {
+                                    span.value.alarm-text[value.violated] { (number_with_unit(value.value, &column.unit)) }
+                                    @if !value.note.is_empty() { span.note { (value.note) } }
+                                }
+                            }
+                        }
+                    }
+                }
+                (values_table(&only.devices))
+            }
+        }
+    }
+}
+
 /// The best design's criteria beside those of the references.
 fn comparison(task: &TaskSection, best: Option<&Design>) -> Markup {
     html! {
-        div.scroll { table.plain {
+        div.scroll { table.plain.snug {
             thead { tr { th { "Compared with" } @for column in &task.criteria { (criterion_head(column)) } } }
             tbody {
                 @if let Some(best) = best {
@@ -101,9 +141,17 @@ fn comparison(task: &TaskSection, best: Option<&Design>) -> Markup {
 fn ranks(task: &TaskSection, designs: &[Design]) -> Markup {
     let rest = designs.get(1..).unwrap_or_default();
     // A fold that hides one or two rows costs more than it saves.
-    let shown = if rest.len() <= SHOWN + 2 { rest.len() } else { SHOWN };
+    let shown = if rest.len() <= SHOWN + 2 {
+        rest.len()
+    } else {
+        SHOWN
+    };
     let (near, far) = rest.split_at_checked(shown).unwrap_or((rest, &[]));
-    let best_gain = designs.iter().filter_map(|design| design.improvements.first()).copied().fold(0.0, f64::max);
+    let best_gain = designs
+        .iter()
+        .filter_map(|design| design.improvements.first())
+        .copied()
+        .fold(0.0, f64::max);
     html! {
         h3 { "Further layouts" }
         (ranks_table(task, near, best_gain))
@@ -127,7 +175,7 @@ fn ranks_table(task: &TaskSection, designs: &[Design], best_gain: f64) -> Markup
             thead { tr {
                 th.number { "Rank" } th { "Network" } th { "Values" }
                 th.number { @if let Some(column) = task.criteria.first() { code { (column.name) } } @else { "Objective" } }
-                @for reference in &task.references { th.number { "on " (reference.name) } }
+                @for reference in &task.references { th.number { "Improvement" br; "on " (reference.name) } }
                 @for (_, column) in others.clone() { (criterion_head(column)) }
                 th.number { "Starts" }
             } }
@@ -183,13 +231,50 @@ fn configurations_table(task: &TaskSection, configurations: &[Configuration]) ->
 fn sweep(task: &TaskSection, id: &str) -> Markup {
     html! {
         @for (index, plot) in sweep_plots(task).iter().chain(&task.plots).enumerate() { (figure(plot, &format!("{id}-plot-{index}"))) }
-        @for (index, point) in task.sweep.iter().enumerate() {
-            details open[index == 0 && task.sweep.len() == 1] {
-                summary {
-                    @for Parameter { name, value } in &point.at { code { (name) } " = " (quantity(value)) " " }
-                    @if let Some(best) = point.designs.first() { span.soft { "best " (quantity(&best.objective)) } }
+        @if task.sweep.iter().any(|point| !point.designs.is_empty()) { (sweep_table(task)) }
+        @if task.sweep.iter().any(|point| point.designs.len() > 1 || !point.configurations.is_empty()) {
+            details {
+                summary { "Everything at each point" }
+                @for (index, point) in task.sweep.iter().enumerate() {
+                    h3 { (place(point)) }
+                    (results(&bare(task), &point.designs, &point.configurations, &format!("{id}-point-{index}")))
                 }
-                (results(&TaskSection { plots: Vec::new(), ..bare(task) }, &point.designs, &point.configurations, &format!("{id}-point-{index}")))
+            }
+        }
+    }
+}
+
+/// Where a point of a sweep lies.
+fn place(point: &SweepPoint) -> Markup {
+    html! { @for Parameter { name, value } in &point.at { span.pair { code { (name) } " = " (compact(value.value, SIGNIFICANT_DIGITS)) @if !value.unit.is_empty() { "\u{a0}" (unit(&value.unit)) } " " } } }
+}
+
+/// The best design at each point of a sweep.
+fn sweep_table(task: &TaskSection) -> Markup {
+    html! {
+        h3 { "Best design at each point" }
+        table.ranks {
+            thead { tr {
+                th { "At" } th { "Network" } th { "Values" }
+                th.number { @if let Some(column) = task.criteria.first() { code { (column.name) } } @else { "Objective" } }
+                th.number { "Starts" }
+            } }
+            tbody {
+                @for point in &task.sweep {
+                    @let best = point.designs.first();
+                    tr {
+                        th scope="row" { (place(point)) }
+                        td.drawn { @if let Some(best) = best { (small(&best.devices)) } }
+                        td.chosen { @if let Some(best) = best { (values_line(&best.devices)) } }
+                        td.number data-label="objective" {
+                            @if let Some(best) = best {
+                                strong { (quantity(&best.objective)) }
+                                @if !best.feasible { span.note.alarm-text { "infeasible" } }
+                            } @else { "–" }
+                        }
+                        td.number data-label="starts agreeing" { @if let Some(best) = best { (best.starts_agreeing) "/" (best.starts) } }
+                    }
+                }
             }
         }
     }
@@ -197,35 +282,70 @@ fn sweep(task: &TaskSection, id: &str) -> Markup {
 
 /// The task's columns without its results.
 fn bare(task: &TaskSection) -> TaskSection {
-    TaskSection { criteria: task.criteria.clone(), references: task.references.clone(), kind: task.kind, ..TaskSection::default() }
+    TaskSection {
+        criteria: task.criteria.clone(),
+        references: task.references.clone(),
+        kind: task.kind,
+        ..TaskSection::default()
+    }
 }
 
 /// Each criterion over the swept parameter, where there is just one.
 fn sweep_plots(task: &TaskSection) -> Vec<Plot> {
-    let Some([swept]) = task.sweep.first().map(|point| point.at.as_slice()) else { return Vec::new() };
-    let place = |point: &SweepPoint| point.at.first().map_or(f64::NAN, |parameter| parameter.value.value);
+    let Some([swept]) = task.sweep.first().map(|point| point.at.as_slice()) else {
+        return Vec::new();
+    };
+    let place = |point: &SweepPoint| {
+        point
+            .at
+            .first()
+            .map_or(f64::NAN, |parameter| parameter.value.value)
+    };
     let places: Vec<f64> = task.sweep.iter().map(place).collect();
-    let x = Axis { label: swept.name.clone(), unit: swept.value.unit.clone(), logarithmic: geometric(&places) };
-    let names: Vec<String> = task.sweep.first().map_or(Vec::new(), |point| point.configurations.iter().map(|configuration| configuration.name.clone()).collect());
-    let columns = if names.is_empty() { task.criteria.iter().take(1) } else { task.criteria.iter().take(task.criteria.len()) };
+    let x = Axis {
+        label: swept.name.clone(),
+        unit: swept.value.unit.clone(),
+        logarithmic: geometric(&places),
+    };
+    let names: Vec<String> = task.sweep.first().map_or(Vec::new(), |point| {
+        point
+            .configurations
+            .iter()
+            .map(|configuration| configuration.name.clone())
+            .collect()
+    });
+    let columns = if names.is_empty() {
+        task.criteria.iter().take(1)
+    } else {
+        task.criteria.iter().take(task.criteria.len())
+    };
     columns
         .enumerate()
         .map(|(column, criterion)| {
             let curve = |name: &str, value: &dyn Fn(&SweepPoint) -> Option<f64>| Series {
                 name: name.to_owned(),
                 role: Role::Design,
-                points: task.sweep.iter().map(|point| (place(point), value(point).unwrap_or(f64::NAN))).collect(),
+                points: task
+                    .sweep
+                    .iter()
+                    .map(|point| (place(point), value(point).unwrap_or(f64::NAN)))
+                    .collect(),
                 peak: None,
                 markers: true,
             };
             let series = if names.is_empty() {
-                vec![curve("best design", &|point| point.designs.first().map(|design| design.objective.value))]
+                vec![curve("best design", &|point| {
+                    point.designs.first().map(|design| design.objective.value)
+                })]
             } else {
                 names
                     .iter()
                     .map(|name| {
                         curve(name, &|point| {
-                            let configuration = point.configurations.iter().find(|configuration| configuration.name == *name)?;
+                            let configuration = point
+                                .configurations
+                                .iter()
+                                .find(|configuration| configuration.name == *name)?;
                             configuration.criteria.get(column).map(|value| value.value)
                         })
                     })
@@ -234,7 +354,11 @@ fn sweep_plots(task: &TaskSection) -> Vec<Plot> {
             Plot {
                 caption: format!("{} over {}", criterion.name, swept.name),
                 x: x.clone(),
-                y: Axis { label: criterion.name.clone(), unit: criterion.unit.clone(), logarithmic: false },
+                y: Axis {
+                    label: criterion.name.clone(),
+                    unit: criterion.unit.clone(),
+                    logarithmic: false,
+                },
                 series,
                 limits: Vec::new(),
             }
@@ -242,10 +366,10 @@ fn sweep_plots(task: &TaskSection) -> Vec<Plot> {
         .collect()
 }
 
-/// Whether the points lie nearer to a geometric than to an arithmetic progression, over a factor of three at least.
+/// Whether the points lie nearer to a geometric than to an arithmetic progression, over a decade at least.
 fn geometric(values: &[f64]) -> bool {
     match values {
-        [first, .., last] if *first > 0.0 && *last > 3.0 * first => {
+        [first, .., last] if *first > 0.0 && *last > 9.9 * first => {
             let middle = values.get(values.len() / 2).copied().unwrap_or(*first);
             let share = (values.len() / 2) as f64 / (values.len() - 1) as f64;
             let arithmetic = first + share * (last - first);
@@ -261,7 +385,7 @@ fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index) % 3 == 0 {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
             text.push('\u{202f}');
         }
         text.push(digit);
