@@ -47,7 +47,10 @@ pub(super) fn parse(text: &str) -> Result<Mat<f64>, Complaint> {
                 if record.len() > 1 && width + 1 == record.len() && width > 0 {
                     continue;
                 }
-                return Err(Complaint::at(line, "expected a number, found an empty field"));
+                return Err(Complaint::at(
+                    line,
+                    "expected a number, found an empty field",
+                ));
             }
             values.push(number(field, line).map_err(|complaint| {
                 if rows == 0 && complaint.help.is_none() {
@@ -102,11 +105,20 @@ mod tests {
     fn faults_name_the_line() {
         let complaint = |text| parse(text).unwrap_err();
         assert_eq!(complaint("1,2\n3\n").line, Some(2));
-        assert_eq!(complaint("1,2\n3,inf\n").message, "expected a finite number, found `inf`");
+        assert_eq!(
+            complaint("1,2\n3,inf\n").message,
+            "expected a finite number, found `inf`"
+        );
         assert_eq!(complaint("a,b\n1,2\n").line, Some(1));
         assert!(complaint("a,b\n1,2\n").help.is_some());
-        assert_eq!(complaint("1;0,5\n2;3").help.as_deref(), Some("write a decimal point, not a decimal comma"));
-        assert_eq!(complaint("1,,2\n").message, "expected a number, found an empty field");
+        assert_eq!(
+            complaint("1;0,5\n2;3").help.as_deref(),
+            Some("write a decimal point, not a decimal comma")
+        );
+        assert_eq!(
+            complaint("1,,2\n").message,
+            "expected a number, found an empty field"
+        );
         assert!(complaint("# nothing\n").message.contains("empty"));
     }
 }

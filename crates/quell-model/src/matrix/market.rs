@@ -109,8 +109,7 @@ pub(super) fn parse(text: &str) -> Result<Mat<f64>, Complaint> {
         .enumerate()
         .map(|(index, line)| (index + 1, line.trim()));
     let header = header(lines.next().map_or("", |(_, line)| line))?;
-    let mut lines =
-        lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('%'));
+    let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('%'));
     let Some((size_line, sizes)) = lines.next() else {
         return Err(Complaint::new("the file ends before the line of sizes"));
     };
@@ -181,7 +180,9 @@ pub(super) fn parse(text: &str) -> Result<Mat<f64>, Complaint> {
             if count > entries {
                 return Err(Complaint::at(
                     line,
-                    format!("the file has more than the {entries} entries that line {size_line} announces"),
+                    format!(
+                        "the file has more than the {entries} entries that line {size_line} announces"
+                    ),
                 ));
             }
             let place = |word: &str, size: usize, what: &str| {
@@ -229,9 +230,8 @@ pub(super) fn parse(text: &str) -> Result<Mat<f64>, Complaint> {
         Symmetry::Symmetric => column,
         Symmetry::Skew => column + 1,
     };
-    let mut words = lines.flat_map(|(line, content)| {
-        content.split_whitespace().map(move |word| (line, word))
-    });
+    let mut words =
+        lines.flat_map(|(line, content)| content.split_whitespace().map(move |word| (line, word)));
     for column in 0..columns {
         for row in first(column)..rows {
             let Some((line, word)) = words.next() else {
@@ -270,7 +270,11 @@ mod tests {
 
     fn rows(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
         (0..matrix.nrows())
-            .map(|row| (0..matrix.ncols()).map(|column| matrix[(row, column)]).collect())
+            .map(|row| {
+                (0..matrix.ncols())
+                    .map(|column| matrix[(row, column)])
+                    .collect()
+            })
             .collect()
     }
 
@@ -311,7 +315,11 @@ mod tests {
             message("%%MatrixMarket matrix array complex general\n1 1\n1 0\n").1,
             "the matrix is complex, and a host's matrices are real"
         );
-        assert!(message("%%MatrixMarket matrix coordinate pattern general\n1 1 1\n1 1\n").1.contains("pattern"));
+        assert!(
+            message("%%MatrixMarket matrix coordinate pattern general\n1 1 1\n1 1\n")
+                .1
+                .contains("pattern")
+        );
         assert_eq!(
             message(&format!("{head}2 2 1\n3 1 1\n")),
             (Some(3), "expected a row from 1 to 2, found `3`".to_owned())
@@ -326,6 +334,10 @@ mod tests {
         );
         assert_eq!(message(&format!("{head}99999999 2 0\n")).0, Some(2));
         assert_eq!(message(&format!("{head}2 2\n")).0, Some(2));
-        assert!(message(&format!("{head}1 1 2\n1 1 1e308\n1 1 1e308\n")).1.contains("add up"));
+        assert!(
+            message(&format!("{head}1 1 2\n1 1 1e308\n1 1 1e308\n"))
+                .1
+                .contains("add up")
+        );
     }
 }

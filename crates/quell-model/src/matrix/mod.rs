@@ -122,6 +122,12 @@ pub fn read_matrix(reference: &str, base: &Path) -> Result<Mat<f64>, MatrixError
     .map_err(fail)
 }
 
+/// The file that `reference` names, as [`read_matrix`] takes it.
+#[must_use]
+pub fn matrix_path(reference: &str, base: &Path) -> PathBuf {
+    base.join(split_reference(reference).0)
+}
+
 enum Kind {
     Market,
     Npy,

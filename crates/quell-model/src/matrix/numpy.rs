@@ -142,10 +142,11 @@ pub(super) fn parse_npz(bytes: &[u8], name: Option<&str>) -> Result<Mat<f64>, Co
             [only] => only,
             [] => return Err(Complaint::new("the archive holds no array")),
             _ => {
-                return Err(
-                    Complaint::new(format!("the archive holds several arrays: {}", listed()))
-                        .help("choose one as `file.npz:NAME`"),
-                );
+                return Err(Complaint::new(format!(
+                    "the archive holds several arrays: {}",
+                    listed()
+                ))
+                .help("choose one as `file.npz:NAME`"));
             }
         },
     };
