@@ -142,10 +142,9 @@ impl Minimax {
         evaluator: &mut Evaluator<'_, P>,
         coordinates: &mut [f64],
         first_radius: Option<f64>,
-        budget: usize,
     ) -> (Ending, Value) {
         let n = coordinates.len();
-        let limit = evaluator.evaluations + budget.min(evaluator.remaining());
+        let limit = evaluator.evaluations + evaluator.remaining();
         let mut value = evaluator.evaluate(coordinates);
         if value.is_failed() || !evaluator.pieces(coordinates, &mut self.pieces) {
             return (Ending::Unavailable, value);

@@ -6,7 +6,7 @@ use crate::Side;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum StartStatus {
-    /// A feasible point at which the local search converged with a minimax certificate within tolerance.
+    /// A feasible point at which the local search converged with a minimax certificate of at most `1e-3`.
     Certified,
     /// A feasible point at which the local search converged; there is no certificate, for want of gradients or
     /// because the active pieces do not satisfy it.

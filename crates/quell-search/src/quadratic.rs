@@ -38,10 +38,16 @@ pub(crate) struct Quadratic {
     active: Vec<usize>,
     active_multipliers: Vec<f64>,
     is_active: Vec<bool>,
+    /// Rows that depend on the active ones and are exceeded by rounding only.
+    is_settled: Vec<bool>,
+    /// Largest magnitude that each variable has had on the way, on which rounding depends.
+    reach: Vec<f64>,
 }
 
 /// Part of a row's own magnitude by which it may be exceeded: a few hundred roundings.
 const ROW_TOLERANCE: f64 = 1e-13;
+/// The same for a row that depends on the active ones, which amplify rounding.
+const DEPENDENT_ROW_TOLERANCE: f64 = 1e-9;
 /// Squared sine below which a new row counts as dependent on the active ones.
 const DEPENDENCE: f64 = 1e-22;
 
@@ -69,6 +75,8 @@ impl Quadratic {
         self.multipliers.resize(m, 0.0);
         self.is_active.clear();
         self.is_active.resize(m, false);
+        self.is_settled.clear();
+        self.is_settled.resize(m, false);
         self.active.clear();
         self.active_multipliers.clear();
         for buffer in [
@@ -92,6 +100,8 @@ impl Quadratic {
         if !self.solution.iter().all(|number| number.is_finite()) {
             return Err(Unsolved::NotConvex);
         }
+        self.reach.clear();
+        self.reach.extend(self.solution.iter().map(|z| z.abs()));
 
         for _ in 0..(10 * (n + m) + 50) {
             let Some((row, slack)) = self.most_violated(rows, limits) else {
@@ -155,14 +165,18 @@ impl Quadratic {
         let mut worst = None;
         let mut worst_slack = 0.0;
         for (row, &limit) in limits.iter().enumerate() {
-            if self.is_active[row] {
+            if self.is_active[row] || self.is_settled[row] {
                 continue;
             }
             let mut slack = limit;
             let mut magnitude = limit.abs();
-            for (a, z) in rows[row * n..(row + 1) * n].iter().zip(&self.solution) {
+            for ((a, z), reach) in rows[row * n..(row + 1) * n]
+                .iter()
+                .zip(&self.solution)
+                .zip(&self.reach)
+            {
                 slack -= a * z;
-                magnitude += (a * z).abs();
+                magnitude += (a * reach).abs();
             }
             if slack < -ROW_TOLERANCE * magnitude && slack < worst_slack {
                 worst_slack = slack;
@@ -222,6 +236,16 @@ impl Quadratic {
             };
             let length = dual_length.min(primal_length);
             if !length.is_finite() {
+                let magnitude = normal
+                    .iter()
+                    .zip(&self.reach)
+                    .map(|(a, z)| (a * z).abs())
+                    .sum::<f64>()
+                    + limit.abs();
+                if -slack <= DEPENDENT_ROW_TOLERANCE * magnitude {
+                    self.is_settled[row] = true;
+                    return Ok(());
+                }
                 return Err(if whole.is_finite() {
                     Unsolved::Infeasible
                 } else {
@@ -233,8 +257,14 @@ impl Quadratic {
             }
             multiplier += length;
             if !dependent {
-                for (z, direction) in self.solution.iter_mut().zip(&self.step) {
+                for ((z, direction), reach) in self
+                    .solution
+                    .iter_mut()
+                    .zip(&self.step)
+                    .zip(&mut self.reach)
+                {
                     *z += length * direction;
+                    *reach = reach.max(z.abs());
                 }
             }
             if primal_length <= dual_length {

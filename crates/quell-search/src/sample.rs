@@ -13,13 +13,17 @@ pub(crate) fn stream(seed: u64, key: u64, index: usize) -> ChaCha8Rng {
     ChaCha8Rng::from_seed(bytes)
 }
 
-/// `count` points of the unit cube, row by row: an Owen-scrambled Sobol sequence.
+/// Points of the unit cube, row by row: a part of an Owen-scrambled Sobol sequence.
 ///
 /// Source: B. Burley, "Practical hash-based Owen scrambling", JCGT 9 (2020).
-pub(crate) fn space_filling(random: &mut ChaCha8Rng, dimension: usize, count: usize) -> Vec<f64> {
-    let seed = random.next_u32();
-    let mut points = Vec::with_capacity(count * dimension);
-    for index in 0..count {
+pub(crate) fn space_filling(
+    scramble: u32,
+    random: &mut ChaCha8Rng,
+    dimension: usize,
+    indices: std::ops::Range<usize>,
+) -> Vec<f64> {
+    let mut points = Vec::with_capacity(indices.len() * dimension);
+    for index in indices {
         for axis in 0..dimension {
             let within = u32::try_from(index).ok().filter(|&i| i < 1 << 16).zip(
                 u32::try_from(axis)
@@ -27,7 +31,7 @@ pub(crate) fn space_filling(random: &mut ChaCha8Rng, dimension: usize, count: us
                     .filter(|&a| a < sobol_burley::NUM_DIMENSIONS),
             );
             points.push(match within {
-                Some((index, axis)) => f64::from(sobol_burley::sample(index, axis, seed)),
+                Some((index, axis)) => f64::from(sobol_burley::sample(index, axis, scramble)),
                 // Beyond the sequence's tables plain random numbers serve.
                 None => uniform(random),
             });

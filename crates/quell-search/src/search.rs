@@ -9,8 +9,9 @@ use crate::minimax::{Ending, Minimax};
 use crate::sample::{space_filling, stream};
 use crate::{Outcome, Problem, Settings, StartResult, StartStatus, Status};
 
-/// Certificate below which a start counts as [`StartStatus::Certified`].
-const CERTIFIED: f64 = 1e-4;
+/// Certificate below which a start counts as [`StartStatus::Certified`]. With a relative curvature of order one it
+/// leaves a decrease of some 1e-6 of the objective.
+const CERTIFIED: f64 = 1e-3;
 
 /// One independent start: a unit of work whose random stream depends only on the seed, `key` and `index`.
 ///
@@ -18,8 +19,10 @@ const CERTIFIED: f64 = 1e-4;
 /// streams under one seed.
 ///
 /// A start samples the box with a scrambled Sobol sequence. Where the problem gives pieces, the best
-/// [`Settings::descents`] points of the sample, kept apart, each go down by minimax sequential quadratic programming.
-/// Otherwise bounded CMA-ES sets out from the best point, and Nelder-Mead finishes.
+/// [`Settings::descents`] points of the sample each go down by minimax sequential quadratic programming, sample after
+/// sample until [`Settings::effort`] is spent. Otherwise bounded CMA-ES sets out from the best point, and Nelder-Mead
+/// finishes. Constraints follow feasibility rules (feasible beats infeasible, then the lower objective or the lower
+/// violation) in what is kept, and an exact penalty in what steps are taken.
 pub fn start<P: Problem>(problem: &P, settings: &Settings, key: u64, index: usize) -> StartResult {
     let mut evaluator = Evaluator::new(problem, settings);
     let dimension = evaluator.dimension();
@@ -28,37 +31,95 @@ pub fn start<P: Problem>(problem: &P, settings: &Settings, key: u64, index: usiz
         return finish(evaluator, Ending::Converged, &mut Minimax::new(0));
     }
     let mut random = stream(settings.seed, key, index);
-    let count = settings.sample.min(settings.evaluations_per_start).max(1);
-    let points = space_filling(&mut random, dimension, count);
-    let mut ranked: Vec<(Value, &[f64])> = Vec::with_capacity(count);
-    for point in points.chunks_exact(dimension) {
-        let value = evaluator.evaluate(point);
-        let place = ranked.partition_point(|(other, _)| !evaluator.prefers(value, *other));
-        ranked.insert(place, (value, point));
-    }
+    let scramble = random.next_u32();
     let mut minimax = Minimax::new(dimension);
+    let populates = settings.population_every > 0
+        && index % settings.population_every == settings.population_every - 1;
+    // How the descent that found the best point ended, and whether any had pieces at all.
     let mut ending = Ending::Unavailable;
-    let mut taken: Vec<&[f64]> = Vec::new();
-    for &(value, point) in &ranked {
-        if taken.len() >= settings.descents || evaluator.remaining() == 0 || value.is_failed() {
-            break;
+    let mut available = false;
+    let count = settings.sample.max(1);
+    for batch in 0.. {
+        let points = space_filling(
+            scramble,
+            &mut random,
+            dimension,
+            batch * count..(batch + 1) * count,
+        );
+        let mut ranked: Vec<(Value, &[f64])> = Vec::with_capacity(count);
+        for point in points.chunks_exact(dimension) {
+            if evaluator.remaining() == 0 {
+                break;
+            }
+            let value = evaluator.evaluate(point);
+            let place = ranked.partition_point(|(other, _)| !evaluator.prefers(value, *other));
+            ranked.insert(place, (value, point));
         }
-        // Neighbours would most likely go down into the same place.
-        if taken.iter().any(|other| distance(other, point) < 0.15) {
-            continue;
+        for &(value, point) in ranked.iter().take(settings.descents) {
+            if evaluator.remaining() == 0 || value.is_failed() {
+                break;
+            }
+            let before = evaluator.best;
+            let (this, reached) = minimax.descend(&mut evaluator, &mut point.to_vec(), None);
+            if evaluator.best != before || reached == before {
+                ending = this;
+            }
+            available |= this != Ending::Unavailable;
         }
-        taken.push(point);
-        let mut coordinates = point.to_vec();
-        let (this, _) = minimax.descend(&mut evaluator, &mut coordinates, None, usize::MAX);
-        ending = this;
-        if this == Ending::Unavailable {
+        if populates && available {
+            if let Some(&(_, centre)) = ranked.first() {
+                let mut coordinates = population_step(&mut evaluator, random.next_u64(), centre);
+                let before = evaluator.best;
+                let (this, _) = minimax.descend(&mut evaluator, &mut coordinates, None);
+                if evaluator.best != before {
+                    ending = this;
+                }
+            }
+        }
+        if populates
+            || !available
+            || evaluator.evaluations >= settings.effort
+            || evaluator.remaining() == 0
+        {
             break;
         }
     }
     if ending == Ending::Unavailable && !evaluator.best.is_failed() {
-        ending = without_gradients(&mut evaluator, random.next_u64(), true);
+        ending = without_gradients(&mut evaluator, random.next_u64(), !available);
     }
     finish(evaluator, ending, &mut minimax)
+}
+
+/// A short CMA-ES from a point of the sample, and the best point that it met.
+fn population_step<P: Problem>(
+    evaluator: &mut Evaluator<'_, P>,
+    seed: u64,
+    centre: &[f64],
+) -> Vec<f64> {
+    let dimension = centre.len();
+    let weight = if evaluator.has_constraints() {
+        10.0 * evaluator.best.objective.abs().max(1e-300)
+    } else {
+        0.0
+    };
+    let end = evaluator.evaluations + (60 * dimension).min(evaluator.remaining());
+    let (mut least, mut found) = (f64::INFINITY, centre.to_vec());
+    covariance_adaptation(seed, centre, 0.3, population(dimension), 1e-2, &mut |u| {
+        (evaluator.evaluations < end).then(|| {
+            let penalised = evaluator.evaluate(u).penalised(weight);
+            if penalised < least {
+                least = penalised;
+                found.copy_from_slice(u);
+            }
+            penalised
+        })
+    });
+    found
+}
+
+/// Default population of CMA-ES (N. Hansen 2016, equation 48).
+fn population(dimension: usize) -> usize {
+    4 + (3.0 * (dimension as f64).ln()) as usize
 }
 
 /// CMA-ES (with `global`), then Nelder-Mead from simplices of falling size, on an exact penalty.
@@ -79,7 +140,7 @@ fn without_gradients<P: Problem>(
         let reserve = evaluator.settings.evaluations_per_start / 5;
         for round in 0..4 {
             let centre = evaluator.best_coordinates.clone();
-            let population = 4 + (3.0 * (dimension as f64).ln()) as usize + 2 * round;
+            let population = population(dimension) + 2 * round;
             covariance_adaptation(
                 seed.wrapping_add(round as u64),
                 &centre,
@@ -164,12 +225,6 @@ fn finish<P: Problem>(
         status,
         certificate,
     }
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter()
-        .zip(b)
-        .fold(0.0_f64, |largest, (x, y)| largest.max((x - y).abs()))
 }
 
 /// The best of several starts and how many of them agree on it; ties go to the earlier start.
@@ -268,8 +323,7 @@ pub fn polish<P: Problem>(problem: &P, settings: &Settings, from: &[f64]) -> Sta
         .map(|(index, variable)| from.get(index).map_or(0.5, |&x| variable.coordinate(x)))
         .collect();
     let mut minimax = Minimax::new(coordinates.len());
-    let (mut ending, value) =
-        minimax.descend(&mut evaluator, &mut coordinates, Some(0.02), usize::MAX);
+    let (mut ending, value) = minimax.descend(&mut evaluator, &mut coordinates, Some(0.02));
     if ending == Ending::Unavailable && !value.is_failed() {
         ending = without_gradients(&mut evaluator, 0, false);
     }

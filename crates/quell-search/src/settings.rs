@@ -26,8 +26,14 @@ pub struct Settings {
     /// Points of the space-filling sample from which a start sets out. Default 8: small samples keep
     /// starts diverse, large ones send all of them to the widest basin.
     pub sample: usize,
-    /// Local searches of one start where gradients are available, from the best points of its sample. Default 4.
+    /// Local searches after each sample where gradients are available, from its best points. Default 4.
     pub descents: usize,
+    /// A start with gradients repeats sample and local searches until it has taken this many evaluations.
+    /// Default `40 n`.
+    pub effort: usize,
+    /// Every so many-th start with gradients also goes through a short CMA-ES, which sees past small basins; `0` for
+    /// none. Default 8.
+    pub population_every: usize,
     /// Pieces of the objective within this relative margin of the maximum are asked for. Default `0.5`.
     pub margin: f64,
 }
@@ -46,6 +52,8 @@ impl Settings {
             evaluations_per_start: (1000 * dimension).clamp(2000, 8000),
             sample: 8,
             descents: 4,
+            effort: 40 * dimension,
+            population_every: 8,
             margin: 0.5,
         }
     }
