@@ -8,7 +8,7 @@ use quell_report::page::{
     TaskKind, TaskSection,
 };
 use quell_report::plot::{Axis, Plot, Role, Series};
-use quell_report::schematic::{Part, Schematic, Terminal};
+use quell_report::schematic::Terminal;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -90,33 +90,18 @@ fn device(
     values: Vec<DesignValue>,
     components: Vec<(String, Layout)>,
 ) -> Device {
-    let annotations = Annotations {
-        values: values
-            .iter()
-            .map(|value| (value.name.clone(), shown(&value.value)))
-            .collect(),
+    let known = Annotations {
         components,
-        placeholders: Vec::new(),
+        ..Annotations::default()
     };
-    Device {
-        name: name.into(),
-        layout: layout.to_string(),
-        schematic: Schematic {
-            part: Part::from_layout(layout, &annotations),
-            head: Terminal::Point("upper".into()),
-            tail: Terminal::Point("lower".into()),
-        },
+    Device::drawn(
+        name,
+        layout,
         values,
-    }
-}
-
-fn shown(quantity: &Quantity) -> String {
-    let number = quell_report::number::significant(quantity.value, 4);
-    if quantity.unit.is_empty() {
-        number
-    } else {
-        format!("{number} {}", quell_report::number::unit(&quantity.unit))
-    }
+        &known,
+        Terminal::Point("upper".into()),
+        Terminal::Point("lower".into()),
+    )
 }
 
 fn mechanical(

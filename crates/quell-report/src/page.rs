@@ -2,8 +2,12 @@
 //!
 //! Every number is given in the unit that is shown with it. Texts are plain; the report escapes them.
 
+use quell_network::Layout;
+
+use crate::layout::Annotations;
+use crate::number::{significant, unit};
 use crate::plot::Plot;
-use crate::schematic::Schematic;
+use crate::schematic::{Part, Schematic, Terminal};
 
 /// A whole report.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -79,7 +83,7 @@ pub struct Parameter {
 /// A design variable's bounds, as a row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoundRow {
-    /// The variable, such as `track.dL`.
+    /// The variable, such as `tube.dL`.
     pub variable: String,
     /// Its bounds.
     pub bounds: Bounds,
@@ -223,6 +227,41 @@ pub struct Device {
     pub schematic: Schematic,
     /// Its values in order.
     pub values: Vec<DesignValue>,
+}
+
+impl Device {
+    /// A device drawn from its layout, its values written beside the symbols with four significant digits.
+    ///
+    /// `known` gives what components and placeholders consist of; values already in it are kept before the device's own.
+    pub fn drawn(
+        name: impl Into<String>,
+        layout: &Layout,
+        values: Vec<DesignValue>,
+        known: &Annotations,
+        head: Terminal,
+        tail: Terminal,
+    ) -> Self {
+        let mut annotations = known.clone();
+        annotations.values.extend(values.iter().map(|value| {
+            let number = significant(value.value.value, 4);
+            let text = if value.value.unit.is_empty() {
+                number
+            } else {
+                format!("{number} {}", unit(&value.value.unit))
+            };
+            (value.name.clone(), text)
+        }));
+        Self {
+            name: name.into(),
+            layout: layout.to_string(),
+            schematic: Schematic {
+                part: Part::from_layout(layout, &annotations),
+                head,
+                tail,
+            },
+            values,
+        }
+    }
 }
 
 /// A value of a configuration.

@@ -129,11 +129,12 @@ impl Plot {
 
     /// The plot as a file of its own, with its legend under the axes.
     pub fn standalone(&self, width: f64, height: f64) -> String {
-        self.render(width, height, true, "plot").replacen(
-            "<svg ",
-            r#"<svg xmlns="http://www.w3.org/2000/svg" "#,
-            1,
-        )
+        self.render(width, height, true, "plot")
+            .replacen("<svg ", r#"<svg xmlns="http://www.w3.org/2000/svg" "#, 1)
+            .replace(
+                "font-family=\"inherit\"",
+                "font-family=\"system-ui, 'Segoe UI', Helvetica, Arial, sans-serif\"",
+            )
     }
 
     /// The plot as an `<svg>` element without a legend; `id` is unique on the page.
