@@ -5,18 +5,24 @@
 //! [`Assembly::modes`] and [`Assembly::realise`] use the minimal first-order form; [`h2`] gives variances.
 
 mod assembly;
+mod certificate;
 mod dense;
 mod eigen;
 mod error;
 mod frequency;
 mod modes;
+mod norm;
 mod peak;
+mod quadrature;
 mod realisation;
 mod receptance;
+mod residues;
 mod structure;
 
 pub use assembly::{Assembly, Attached};
+pub use certificate::{Certificate, CertificateMethod, CertificateStatus, certify};
 pub use error::ResponseError;
 pub use frequency::{Peak, Piece, Plan, PlanSettings, Scratch};
 pub use modes::{Mode, ModeKind, Modes};
+pub use norm::{Norm, NormMethod, Spectrum, h2, h2_fast};
 pub use realisation::Realisation;

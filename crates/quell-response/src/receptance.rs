@@ -89,10 +89,6 @@ impl HostChannel {
         }
     }
 
-    pub(crate) fn ports(&self) -> usize {
-        self.ports.len()
-    }
-
     /// Index of the input, for messages.
     pub(crate) fn input(&self) -> usize {
         self.input
