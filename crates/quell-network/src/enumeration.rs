@@ -47,7 +47,7 @@ impl fmt::Display for Equivalence {
 /// How many branches of a kind a layout has.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Budget {
-    /// A letter of the domain (`k`), or a declared kind (`track`).
+    /// A letter of the domain (`k`), or a declared kind (`pipe`).
     pub kind: String,
     /// At least this many.
     pub at_least: usize,

@@ -58,7 +58,7 @@ pub enum KindError {
 /// The names that a layout may use: the letters of its domain, and what is declared besides.
 ///
 /// A name stands for the declared kind of exactly that name, else for the declared element or component whose name it
-/// is with a number after it (`track2` of `track`), else for the element of its first letter.
+/// is with a number after it (`pipe2` of `pipe`), else for the element of its first letter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Kinds {
     domain: Domain,

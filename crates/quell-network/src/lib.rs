@@ -8,6 +8,7 @@
 //! Conventions: force F, relative displacement x, admittance Y(s) = F/(s x), dynamic stiffness D(s) = s Y(s) = F/x; SI
 //! units throughout; the time factor is e^(jωt).
 
+mod component;
 mod degree;
 mod element;
 mod enumeration;
@@ -23,6 +24,9 @@ mod rational;
 mod transform;
 mod tree;
 
+pub use component::{
+    Component, ComponentError, ComponentVariable, Expansion, ExpansionWorkspace, Variable, expand,
+};
 pub use degree::Order;
 pub use element::{Domain, Element};
 pub use enumeration::{Budget, Enumeration, EnumerationError, Equivalence, Layouts};

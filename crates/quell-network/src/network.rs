@@ -9,7 +9,7 @@ use crate::{Domain, Element, Layout, Tree};
 /// An element of a network, with the way from the value in its own domain to the mechanical one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NetworkElement {
-    /// The name: `k1`, or `track1.I` within a component.
+    /// The name: `k1`, or `pipe1.I` within a component.
     pub name: String,
     /// What it is in the mechanical network.
     pub element: Element,

@@ -1,6 +1,7 @@
 //! Reading layouts.
 
 use std::collections::HashMap;
+use std::fmt::Write as _;
 
 use quell_expression::{Span, nearest};
 
@@ -299,16 +300,17 @@ impl<'a> Parser<'a> {
         if let Some(near) = suggestion.or(other_case) {
             help = format!("did you mean `{near}`? ");
         }
-        help.push_str(&format!(
+        let _ = write!(
+            help,
             "In a {domain} layout the first letter tells the element: {letters}"
-        ));
+        );
         if !declared.is_empty() {
             let names = declared
                 .iter()
                 .map(|(declared, _)| format!("`{declared}`"))
                 .collect::<Vec<_>>()
                 .join(", ");
-            help.push_str(&format!("; declared besides: {names}"));
+            let _ = write!(help, "; declared besides: {names}");
         }
         error(
             span,

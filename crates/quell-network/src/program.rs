@@ -373,6 +373,10 @@ struct Slot<const B: usize> {
     di: [f64; B],
 }
 
+#[expect(
+    clippy::needless_range_loop,
+    reason = "lanes are indexed alike in several arrays of constant length"
+)]
 impl<const B: usize> Slot<B> {
     const ZERO: Self = Self {
         nr: [0.0; B],

@@ -23,7 +23,7 @@ impl<T> Tree<T> {
                 match tree {
                     Self::Leaf(leaf) => return Some(leaf),
                     Self::Series(children) | Self::Parallel(children) => {
-                        pending.extend(children.iter().rev())
+                        pending.extend(children.iter().rev());
                     }
                 }
             }

@@ -1,4 +1,9 @@
 //! Evaluation against closed forms, a nodal solution, central differences and properties of passive networks.
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+#![expect(
+    clippy::needless_range_loop,
+    reason = "eliminations read best by index"
+)]
 
 use num_complex::Complex64;
 use proptest::prelude::*;

@@ -1,4 +1,5 @@
 //! Reading, writing and transforming layouts.
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 use proptest::prelude::*;
 use quell_network::{Domain, Element, Kind, KindError, Kinds, Layout, TransformError, Tree};
