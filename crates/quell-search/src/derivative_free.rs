@@ -15,15 +15,18 @@ use basin::{
 #[error("the budget of evaluations is spent")]
 struct Spent;
 
+/// A scalar function of scaled coordinates; `None` when the budget is spent.
+pub(crate) type Function<'a> = dyn FnMut(&[f64]) -> Option<f64> + 'a;
+
 struct UnitCube<'a> {
     lower: Vec<f64>,
     upper: Vec<f64>,
     // The library evaluates through a shared reference, always on this thread.
-    function: RefCell<&'a mut dyn FnMut(&[f64]) -> Option<f64>>,
+    function: RefCell<&'a mut Function<'a>>,
 }
 
 impl<'a> UnitCube<'a> {
-    fn new(dimension: usize, function: &'a mut dyn FnMut(&[f64]) -> Option<f64>) -> Self {
+    fn new(dimension: usize, function: &'a mut Function<'a>) -> Self {
         Self {
             lower: vec![0.0; dimension],
             upper: vec![1.0; dimension],
@@ -60,7 +63,7 @@ pub(crate) fn covariance_adaptation(
     spread: f64,
     population: usize,
     tolerance: f64,
-    function: &mut dyn FnMut(&[f64]) -> Option<f64>,
+    function: &mut Function<'_>,
 ) {
     if mean.is_empty() {
         return;
@@ -80,12 +83,7 @@ pub(crate) fn covariance_adaptation(
 /// `tolerance` or the function returns `None`.
 ///
 /// Source: F. Gao and L. Han, "Implementing the Nelder-Mead simplex algorithm with adaptive parameters" (2012).
-pub(crate) fn simplex(
-    centre: &[f64],
-    size: f64,
-    tolerance: f64,
-    function: &mut dyn FnMut(&[f64]) -> Option<f64>,
-) {
+pub(crate) fn simplex(centre: &[f64], size: f64, tolerance: f64, function: &mut Function<'_>) {
     if centre.is_empty() {
         return;
     }

@@ -405,7 +405,7 @@ mod tests {
         linear[n] = 1.0;
         linear[n + 1] = 10.0;
         let (mut rows, mut limits) = (Vec::new(), Vec::new());
-        for piece in 0..1 + numbers.below(12) {
+        for piece in 0..=numbers.below(12) {
             let constraint = piece > 0 && numbers.next() > 0.5;
             if piece > 0 && numbers.next() > 0.8 {
                 let previous = rows.len() - size;

@@ -66,14 +66,15 @@ pub fn start<P: Problem>(problem: &P, settings: &Settings, key: u64, index: usiz
             }
             available |= this != Ending::Unavailable;
         }
-        if populates && available {
-            if let Some(&(_, centre)) = ranked.first() {
-                let mut coordinates = population_step(&mut evaluator, random.next_u64(), centre);
-                let before = evaluator.best;
-                let (this, _) = minimax.descend(&mut evaluator, &mut coordinates, None);
-                if evaluator.best != before {
-                    ending = this;
-                }
+        if populates
+            && available
+            && let Some(&(_, centre)) = ranked.first()
+        {
+            let mut coordinates = population_step(&mut evaluator, random.next_u64(), centre);
+            let before = evaluator.best;
+            let (this, _) = minimax.descend(&mut evaluator, &mut coordinates, None);
+            if evaluator.best != before {
+                ending = this;
             }
         }
         if populates
@@ -228,6 +229,10 @@ fn finish<P: Problem>(
 }
 
 /// The best of several starts and how many of them agree on it; ties go to the earlier start.
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "collecting ends the starts; the caller has no further use for them"
+)]
 pub fn collect<P: Problem>(problem: &P, settings: &Settings, results: Vec<StartResult>) -> Outcome {
     let starts = results.len();
     let evaluations = results.iter().map(|result| result.evaluations).sum();

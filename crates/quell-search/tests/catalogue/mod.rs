@@ -5,6 +5,8 @@
     unreachable_pub,
     clippy::unwrap_used,
     clippy::needless_range_loop,
+    clippy::semicolon_if_nothing_returned,
+    clippy::needless_for_each,
     reason = "each test binary uses a part of the catalogue"
 )]
 
