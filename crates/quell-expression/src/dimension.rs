@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::{Div, Mul};
 
 /// Exponents are counted in twelfths, so that square, cube and fourth roots of whole powers stay exact.
-const WHOLE: i16 = 12;
+const WHOLE: i32 = 12;
 
 /// A physical dimension, as exponents of the SI base units kg, m, s, A, K and of rad.
 ///
@@ -12,7 +12,7 @@ const WHOLE: i16 = 12;
 /// Hz (2π rad/s) not for 1/s. It may be left out where it is expected, never added where it is not: see [`Self::accepts`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Dimension {
-    twelfths: [i16; 6],
+    twelfths: [i32; 6],
 }
 
 const NAMES: [&str; 6] = ["kg", "m", "s", "A", "K", "rad"];
@@ -73,12 +73,12 @@ impl Dimension {
     pub const fn new(mass: i16, length: i16, time: i16, angle: i16) -> Self {
         Self {
             twelfths: [
-                mass * WHOLE,
-                length * WHOLE,
-                time * WHOLE,
+                mass as i32 * WHOLE,
+                length as i32 * WHOLE,
+                time as i32 * WHOLE,
                 0,
                 0,
-                angle * WHOLE,
+                angle as i32 * WHOLE,
             ],
         }
     }
@@ -87,7 +87,7 @@ impl Dimension {
     #[must_use]
     pub const fn with_current(mass: i16, length: i16, time: i16, current: i16) -> Self {
         let mut dimension = Self::new(mass, length, time, 0);
-        dimension.twelfths[3] = current * WHOLE;
+        dimension.twelfths[3] = current as i32 * WHOLE;
         dimension
     }
 
@@ -107,21 +107,31 @@ impl Dimension {
 
     /// Whether a quantity of dimension `given` may stand where this dimension is expected.
     ///
-    /// Everything must be equal, save that rad may be left out of `given` (`N*m` passes for `N*m/rad`), and that a
-    /// product with an angle loses its rad (an arm times an angle, m rad, passes for m). `N*m/rad` does not pass for
-    /// `N*m`, an angle not for a plain number, and a frequency insists on its rad, since 1/s may mean Hz or rad/s.
+    /// Everything must be equal, with two exceptions about rad:
+    /// - `given` may leave it out (`N*m` passes for `N*m/rad`, a plain number for an angle), save that a frequency
+    ///   insists on it, since 1/s may mean Hz or rad/s;
+    /// - a product with an angle loses it (an arm times an angle, m rad, passes for m; moment times angle for energy).
+    ///
+    /// Not so the other way round: `N*m/rad` does not pass for `N*m`, nor an angle for a plain number, nor rad/s for
+    /// 1/s.
     #[must_use]
     pub fn accepts(&self, given: &Self) -> bool {
         if self == given {
             return true;
         }
-        if *self == Self::ANGULAR_FREQUENCY || self.without_angle() != given.without_angle() {
+        let without = self.without_angle();
+        if *self == Self::ANGULAR_FREQUENCY || without != given.without_angle() {
             return false;
         }
         let left_out = given.twelfths[RAD] == 0;
         let product_with_angle =
-            self.twelfths[RAD] == 0 && given.twelfths[RAD] > 0 && !given.without_angle().is_none();
+            self.twelfths[RAD] == 0 && given.twelfths[RAD] > 0 && !without.may_be_angular();
         left_out || product_with_angle
+    }
+
+    /// Whether it is 1, 1/s or 1/s², what is left of an angle, its rate and acceleration when rad is taken away.
+    fn may_be_angular(self) -> bool {
+        [Self::NONE, Self::new(0, 0, -1, 0), Self::new(0, 0, -2, 0)].contains(&self)
     }
 
     /// Whether quantities of both may be added or compared: equal but for rad that one of them leaves out.
@@ -132,8 +142,10 @@ impl Dimension {
                 && (self.twelfths[RAD] == 0 || other.twelfths[RAD] == 0))
     }
 
-    /// The dimension of a sum of both (which must [agree](Self::agrees)): an angle or rate keeps its rad, a length that
-    /// one of them makes from an angle does not.
+    /// The dimension of a sum of both, which must [agree](Self::agrees).
+    ///
+    /// Where they are not the same, one has rad and the other does not. The sum keeps it (an angle, its rate or
+    /// acceleration, `N*m/rad`), unless the rad comes from a product with an angle: m + m rad is m.
     #[must_use]
     pub fn joined(self, other: Self) -> Self {
         let (with, without) = if self.twelfths[RAD] == 0 {
@@ -141,30 +153,31 @@ impl Dimension {
         } else {
             (self, other)
         };
-        let rate = [Self::NONE, Self::new(0, 0, -1, 0), Self::new(0, 0, -2, 0)];
-        if with.twelfths[RAD] > 0 && !rate.contains(&without.without_angle()) {
+        if with.twelfths[RAD] > 0 && !without.may_be_angular() {
             without
         } else {
             with
         }
     }
 
-    /// The dimension of a power; none where the exponents leave the range of a quarter to some thousands.
+    /// The dimension of a power; none where an exponent would not be a multiple of 1/12, or beyond 1000.
     #[must_use]
     pub fn power(self, exponent: f64) -> Option<Self> {
         let mut twelfths = [0; 6];
         for (result, own) in twelfths.iter_mut().zip(self.twelfths) {
             let exact = f64::from(own) * exponent;
             let rounded = exact.round();
-            if (exact - rounded).abs() > 1e-9 || rounded.abs() > 12_000.0 {
+            // Written so that not-a-number is refused as well.
+            let near = (exact - rounded).abs() <= 1e-9;
+            if !near || rounded.abs() > 1000.0 * f64::from(WHOLE) {
                 return None;
             }
-            *result = rounded as i16;
+            *result = rounded as i32;
         }
         Some(Self { twelfths })
     }
 
-    /// The dimension of a square root.
+    /// The dimension of a square root; exact where every exponent is a multiple of 1/6, see [`Self::power`] otherwise.
     #[must_use]
     pub fn sqrt(self) -> Self {
         Self {
@@ -174,8 +187,8 @@ impl Dimension {
 
     /// SI unit as text: `N*s/m`, `N*m/rad`, `rad/s`, `kg/(s*m^4)`; empty for a plain number.
     ///
-    /// The common mechanical units are named, others are written in base units; either way the text is one that a
-    /// study file may hold.
+    /// The common mechanical units are named, others are written in base units; either way [`Unit::parse`](crate::Unit::parse)
+    /// reads the text, and [`Expression::parse`](crate::Expression::parse) does after a number.
     #[must_use]
     pub fn unit_text(&self) -> String {
         for (dimension, text) in NAMED {
@@ -183,7 +196,7 @@ impl Dimension {
                 return text.to_owned();
             }
         }
-        let part = |sign: i16| -> Vec<String> {
+        let part = |sign: i32| -> Vec<String> {
             NAMES
                 .iter()
                 .zip(self.twelfths)
@@ -285,6 +298,38 @@ mod tests {
         assert!(!Dimension::MOMENT.accepts(&Dimension::ROTATIONAL_STIFFNESS));
         assert!(!Dimension::ANGULAR_FREQUENCY.accepts(&Dimension::new(0, 0, -1, 0)));
         assert!(Dimension::ANGULAR_FREQUENCY.accepts(&Dimension::ANGULAR_FREQUENCY));
+        assert!(Dimension::ANGLE.accepts(&Dimension::NONE));
+        assert!(!Dimension::NONE.accepts(&Dimension::ANGLE));
+        assert!(!Dimension::new(0, 0, -1, 0).accepts(&Dimension::ANGULAR_FREQUENCY));
+        assert!(Dimension::LENGTH.accepts(&(Dimension::LENGTH * Dimension::ANGLE)));
+        assert!(!Dimension::LENGTH.accepts(&(Dimension::LENGTH / Dimension::ANGLE)));
+    }
+
+    #[test]
+    fn sums_keep_the_rad_of_angles_only() {
+        let cases = [
+            (Dimension::NONE, Dimension::ANGLE, Dimension::ANGLE),
+            (
+                Dimension::new(0, 0, -1, 0),
+                Dimension::ANGULAR_FREQUENCY,
+                Dimension::ANGULAR_FREQUENCY,
+            ),
+            (
+                Dimension::LENGTH,
+                Dimension::LENGTH * Dimension::ANGLE,
+                Dimension::LENGTH,
+            ),
+            (
+                Dimension::MOMENT,
+                Dimension::ROTATIONAL_STIFFNESS,
+                Dimension::ROTATIONAL_STIFFNESS,
+            ),
+        ];
+        for (a, b, sum) in cases {
+            assert!(a.agrees(&b) && b.agrees(&a));
+            assert_eq!((a.joined(b), b.joined(a)), (sum, sum));
+        }
+        assert!(!Dimension::ANGLE.agrees(&(Dimension::ANGLE * Dimension::ANGLE)));
     }
 
     #[test]
@@ -295,14 +340,13 @@ mod tests {
             Dimension::new(2, 3, -4, 1),
             Dimension::new(0, 0, -2, 0),
         ] {
-            let unit = crate::Unit::parse(&dimension.unit_text());
-            if let Ok(unit) = unit {
-                assert_eq!(unit.dimension, dimension);
-                assert_eq!(unit.factor, 1.0);
-            } else {
-                // `1/s^2` begins with a number, which a unit does not.
-                assert!(dimension.unit_text().starts_with('1'));
-            }
+            let unit = crate::Unit::parse(&dimension.unit_text()).unwrap();
+            assert_eq!((unit.dimension, unit.factor), (dimension, 1.0));
+            let text = format!("3 {}", dimension.unit_text());
+            let quantity = crate::Expression::parse(&text)
+                .and_then(|expression| expression.evaluate(&crate::NoNames))
+                .unwrap();
+            assert_eq!((quantity.dimension, quantity.value), (dimension, 3.0));
         }
         assert_eq!(Dimension::DAMPING.unit_text(), "N*s/m");
         assert_eq!(Dimension::NONE.unit_text(), "");
@@ -314,5 +358,7 @@ mod tests {
         assert_eq!(rate.sqrt() * rate.sqrt(), rate);
         assert_eq!(rate.power(0.5), Some(rate.sqrt()));
         assert_eq!(rate.power(0.123), None);
+        assert_eq!(rate.power(f64::NAN), None);
+        assert_eq!(rate.power(1001.0), None);
     }
 }

@@ -149,6 +149,9 @@ pub fn unknown_name(name: &str, span: Span, scope: &dyn Scope) -> ExpressionErro
     }
     match nearest(name, scope.names()) {
         Some(near) => error.with_help(format!("did you mean `{near}`?")),
+        None if crate::unit::look_up(name).is_some() => error.with_help(format!(
+            "`{name}` is a unit, which stands directly after a number: `5 {name}`"
+        )),
         None => error,
     }
 }

@@ -129,9 +129,15 @@ impl ComparisonOperator {
 impl Expression {
     /// Reads an expression.
     ///
-    /// In order of binding: comparisons, `+ -`, `* /`, unary `-`, `^` (to the right), postfix `'` (time derivative).
-    /// A number directly followed by a unit word is a quantity, and the unit goes on over `*`, `/`, `^` and
-    /// parentheses while unit words follow: `1.05e8 kg/(s*m^4)`, but `0.75 m * max(x)` is a product.
+    /// In order of binding, loosest first: comparisons, `+ -`, `* /`, unary `-`, `^` (from the right, so that `2^3^2` is
+    /// 2⁹ and `-2^2` is -4), postfix `'` (time derivative).
+    ///
+    /// A number directly followed by a unit word (or by `1/` and one: `0.5 1/s`) is a quantity. Its unit goes on over
+    /// `*`, `/`, `^` and parentheses while unit words follow, so `1.05e8 kg/(s*m^4)` is one quantity, but in
+    /// `0.75 m * max(x)` a call follows and ends it, as a name that is no unit, a dotted name or a prime does.
+    ///
+    /// **A unit word goes first**: after a quantity `*` and `/` take a unit's name for the unit even where a parameter
+    /// is called the same. `3 m/s*t` is 3 metres a second times a *tonne*; write `(3 m/s)*t` or `t*3 m/s`.
     ///
     /// # Errors
     /// At the character: what was expected and what was found.
@@ -243,109 +249,130 @@ impl Expression {
         }
     }
 
-    /// How tightly it binds: the larger the tighter.
-    const fn binding(&self) -> u8 {
+    /// How tightly it binds.
+    const fn binding(&self) -> Binding {
         match &self.node {
-            Node::Comparison { .. } => 0,
-            Node::Binary {
-                operator: BinaryOperator::Add | BinaryOperator::Subtract,
-                ..
-            } => 1,
-            // A quantity's unit would swallow what follows it, so it is held together by parentheses in every product.
-            Node::Binary {
-                operator: BinaryOperator::Multiply | BinaryOperator::Divide,
-                ..
-            }
-            | Node::Quantity { .. } => 2,
-            Node::Negate(_) => 3,
-            Node::Binary {
-                operator: BinaryOperator::Power,
-                ..
-            } => 4,
-            Node::Number(value) => {
-                if value.is_sign_negative() {
-                    3
-                } else {
-                    6
-                }
-            }
-            Node::Derivative { .. } => 5,
-            Node::Name(_) | Node::Call { .. } => 6,
+            Node::Comparison { .. } => Binding::Comparison,
+            Node::Binary { operator, .. } => match operator {
+                BinaryOperator::Add | BinaryOperator::Subtract => Binding::Sum,
+                BinaryOperator::Multiply | BinaryOperator::Divide => Binding::Product,
+                BinaryOperator::Power => Binding::Power,
+            },
+            Node::Negate(operand) if matches!(operand.node, Node::Quantity { .. }) => Binding::Unit,
+            Node::Quantity { .. } => Binding::Unit,
+            Node::Number(value) if value.is_sign_negative() => Binding::Sign,
+            Node::Negate(_) => Binding::Sign,
+            Node::Derivative { .. } => Binding::Prime,
+            Node::Number(_) | Node::Name(_) | Node::Call { .. } => Binding::Atom,
         }
     }
-}
 
-/// Writes `inner`, in parentheses where it binds less tightly than its place asks.
-fn place(formatter: &mut fmt::Formatter<'_>, inner: &Expression, at_least: u8) -> fmt::Result {
-    let held = matches!(inner.node, Node::Quantity { .. }) && at_least > 1;
-    if inner.binding() < at_least || held {
-        write!(formatter, "({inner})")
-    } else {
-        write!(formatter, "{inner}")
-    }
-}
-
-impl fmt::Display for Expression {
-    /// Text that reads back as the same tree.
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn write(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.node {
-            Node::Number(value) => write!(formatter, "{value}"),
-            Node::Quantity { value, unit } => write!(formatter, "{value} {}", unit.text),
+            Node::Number(value) => write_number(formatter, *value),
+            Node::Quantity { value, unit } => {
+                write_number(formatter, *value)?;
+                formatter.write_str(" ")?;
+                formatter.write_str(&unit.text)
+            }
             Node::Name(name) => formatter.write_str(name),
             Node::Negate(operand) => {
                 formatter.write_str("-")?;
-                place(formatter, operand, 4)
+                if matches!(operand.node, Node::Quantity { .. }) {
+                    return operand.write(formatter);
+                }
+                operand.write_at(formatter, Binding::Power)
             }
             Node::Binary {
                 operator,
                 left,
                 right,
             } => {
-                let (own, leftmost, rightmost) = match operator {
-                    BinaryOperator::Add | BinaryOperator::Subtract => (1, 1, 2),
-                    BinaryOperator::Multiply | BinaryOperator::Divide => (2, 2, 3),
-                    BinaryOperator::Power => (4, 5, 4),
+                let (symbol, before, after) = match operator {
+                    BinaryOperator::Add => (" + ", Binding::Sum, Binding::Unit),
+                    BinaryOperator::Subtract => (" - ", Binding::Sum, Binding::Unit),
+                    BinaryOperator::Multiply => ("*", Binding::Product, Binding::Sign),
+                    BinaryOperator::Divide => ("/", Binding::Product, Binding::Sign),
+                    BinaryOperator::Power => ("^", Binding::Prime, Binding::Sign),
                 };
-                let _ = own;
-                place(formatter, left, leftmost)?;
-                match operator {
-                    BinaryOperator::Add | BinaryOperator::Subtract => {
-                        write!(formatter, " {} ", operator.symbol())?;
-                    }
-                    _ => write!(formatter, "{}", operator.symbol())?,
-                }
-                place(formatter, right, rightmost)
+                left.write_at(formatter, before)?;
+                formatter.write_str(symbol)?;
+                right.write_at(formatter, after)
             }
             Node::Comparison {
                 operator,
                 left,
                 right,
             } => {
-                place(formatter, left, 1)?;
-                write!(formatter, " {} ", operator.symbol())?;
-                place(formatter, right, 1)
+                left.write_at(formatter, Binding::Sum)?;
+                formatter.write_str(" ")?;
+                formatter.write_str(operator.symbol())?;
+                formatter.write_str(" ")?;
+                right.write_at(formatter, Binding::Sum)
             }
             Node::Call {
                 function,
                 arguments,
                 ..
             } => {
-                write!(formatter, "{function}(")?;
+                formatter.write_str(function)?;
+                formatter.write_str("(")?;
                 for (index, argument) in arguments.iter().enumerate() {
                     if index > 0 {
                         formatter.write_str(", ")?;
                     }
-                    write!(formatter, "{argument}")?;
+                    argument.write(formatter)?;
                 }
                 formatter.write_str(")")
             }
             Node::Derivative { order, operand } => {
-                place(formatter, operand, 6)?;
+                operand.write_at(formatter, Binding::Atom)?;
                 for _ in 0..*order {
                     formatter.write_str("'")?;
                 }
                 Ok(())
             }
         }
+    }
+
+    /// Writes it, in parentheses where it binds less tightly than its place asks.
+    fn write_at(&self, formatter: &mut fmt::Formatter<'_>, at_least: Binding) -> fmt::Result {
+        if self.binding() >= at_least {
+            return self.write(formatter);
+        }
+        formatter.write_str("(")?;
+        self.write(formatter)?;
+        formatter.write_str(")")
+    }
+}
+
+/// How tightly an expression binds, loosest first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Binding {
+    Comparison,
+    Sum,
+    /// What ends in a unit, which would swallow units that a product puts after it.
+    Unit,
+    Product,
+    Sign,
+    Power,
+    Prime,
+    Atom,
+}
+
+/// A number that reads back as the same, with an exponent where there would be many zeros.
+fn write_number(formatter: &mut fmt::Formatter<'_>, value: f64) -> fmt::Result {
+    let magnitude = value.abs();
+    if magnitude == 0.0 || (1e-4..1e9).contains(&magnitude) {
+        write!(formatter, "{value}")
+    } else {
+        write!(formatter, "{value:e}")
+    }
+}
+
+impl fmt::Display for Expression {
+    /// Text that reads back as the same tree (a negative number as the negation of a positive one).
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write(formatter)
     }
 }

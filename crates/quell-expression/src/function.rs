@@ -172,13 +172,16 @@ impl Function {
                 }
             }
             Self::Asin | Self::Acos | Self::Atan => {
-                if first.without_angle().is_none() {
+                if Dimension::ANGLE.accepts(&first) {
                     Ok(Dimension::ANGLE)
                 } else {
                     refused(0, "a plain number", first)
                 }
             }
-            Self::Sqrt => Ok(first.sqrt()),
+            Self::Sqrt => match first.power(0.5) {
+                Some(root) => Ok(root),
+                None => refused(0, "what has a root", first),
+            },
             Self::Abs => Ok(first),
             Self::Sign => Ok(Dimension::NONE),
             Self::Min | Self::Max | Self::Hypot | Self::Atan2 => {

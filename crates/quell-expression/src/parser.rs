@@ -1,8 +1,11 @@
-//! The parser of expressions and units: recursive descent over characters, with a bound on depth.
+//! The parser of expressions: recursive descent over characters, with a bound on depth.
+
+mod units;
+
+pub(crate) use units::parse_unit;
 
 use crate::expression::{BinaryOperator, ComparisonOperator, Expression, Node};
-use crate::unit::{look_up, unknown};
-use crate::{Dimension, ExpressionError, Span, Unit};
+use crate::{ExpressionError, Span};
 
 /// Parentheses, calls and signs may be nested so deeply; no text can overflow the stack.
 const DEPTH: usize = 100;
@@ -15,17 +18,6 @@ pub(crate) fn parse(text: &str) -> Result<Expression, ExpressionError> {
     let expression = parser.comparison()?;
     parser.end("an operator or the end")?;
     Ok(expression)
-}
-
-pub(crate) fn parse_unit(text: &str) -> Result<Unit, ExpressionError> {
-    let mut parser = Parser::new(text);
-    let (factor, dimension) = parser.unit_product(true)?;
-    parser.end("`*`, `/` or the end of the unit")?;
-    Ok(Unit {
-        factor,
-        dimension,
-        text: text.trim().to_owned(),
-    })
 }
 
 struct Parser<'a> {
@@ -90,6 +82,17 @@ impl<'a> Parser<'a> {
                     .collect();
                 (Span::new(start, start + name.len()), format!("`{name}`"))
             }
+            Some(first) if first.is_ascii_digit() => {
+                let number: String = self
+                    .rest()
+                    .chars()
+                    .take_while(|c| c.is_ascii_digit() || *c == '.')
+                    .collect();
+                (
+                    Span::new(start, start + number.len()),
+                    format!("`{number}`"),
+                )
+            }
             Some(first) => (
                 Span::new(start, start + first.len_utf8()),
                 format!("`{first}`"),
@@ -99,7 +102,19 @@ impl<'a> Parser<'a> {
 
     fn expected(&mut self, what: &str) -> ExpressionError {
         let (span, found) = self.found();
-        ExpressionError::new(span, format!("expected {what}, found {found}"))
+        let error = ExpressionError::new(span, format!("expected {what}, found {found}"));
+        match self.rest().chars().next() {
+            Some(',') => error.with_help("decimals are written with a point: `0.5`"),
+            Some('−' | '–') => error.with_help("minus is written `-`"),
+            Some('×' | '·' | '⋅') => error.with_help("a product is written `*`"),
+            Some('(') => {
+                error.with_help("a product is written `*`, and a function's name stands before `(`")
+            }
+            Some('<' | '>' | '=' | '!') => {
+                error.with_help("a comparison has two sides, such as `x <= 5`")
+            }
+            _ => error,
+        }
     }
 
     fn end(&mut self, what: &str) -> Result<(), ExpressionError> {
@@ -267,12 +282,15 @@ impl<'a> Parser<'a> {
                 self.position += 1;
                 let inner = self.deeper(Self::comparison)?;
                 if !self.take(")") {
-                    let mut error = self.expected("an operator or `)`");
-                    error.help = Some(format!(
-                        "the parenthesis opened at character {} is not closed",
-                        start + 1
-                    ));
-                    return Err(error);
+                    let error = self.expected("an operator or `)`");
+                    let before = self.text.get(..start).unwrap_or("").chars().count();
+                    return Err(match error.help {
+                        Some(_) => error,
+                        None => error.with_help(format!(
+                            "the parenthesis opened at character {} is not closed",
+                            before + 1
+                        )),
+                    });
                 }
                 Ok(Expression {
                     node: inner.node,
@@ -287,11 +305,46 @@ impl<'a> Parser<'a> {
 
     fn number(&mut self) -> Result<Expression, ExpressionError> {
         let start = self.position;
+        let written = self.digits();
+        let span = Span::new(start, self.position);
+        let value: f64 = written
+            .parse()
+            .map_err(|_| ExpressionError::new(span, format!("`{written}` is not a number")))?;
+        if !value.is_finite() {
+            return Err(ExpressionError::new(
+                span,
+                format!("`{written}` is too large for a number"),
+            ));
+        }
+        let mantissa = written.split(['e', 'E']).next().unwrap_or("");
+        if value == 0.0 && mantissa.contains(|digit| ('1'..='9').contains(&digit)) {
+            return Err(ExpressionError::new(
+                span,
+                format!("`{written}` is too small for a number"),
+            ));
+        }
+        let node = match self.unit_after_number(&written)? {
+            Some(unit) => Node::Quantity { value, unit },
+            None => Node::Number(value),
+        };
+        Ok(Expression {
+            node,
+            span: Span::new(start, self.position),
+        })
+    }
+
+    /// The digits, point and exponent of a number; `_` may stand between digits and is left out.
+    fn digits(&mut self) -> String {
+        let start = self.position;
         let bytes = self.text.as_bytes();
+        let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_digit);
         let digits = |mut at: usize| {
-            while bytes
-                .get(at)
-                .is_some_and(|byte| byte.is_ascii_digit() || *byte == b'_')
+            let first = at;
+            while is_digit(at)
+                || (at > first
+                    && bytes.get(at) == Some(&b'_')
+                    && is_digit(at - 1)
+                    && is_digit(at + 1))
             {
                 at += 1;
             }
@@ -308,163 +361,8 @@ impl<'a> Parser<'a> {
                 end = exponent;
             }
         }
-        let written = self.text.get(start..end).unwrap_or("").replace('_', "");
-        let span = Span::new(start, end);
-        let value: f64 = written
-            .parse()
-            .map_err(|_| ExpressionError::new(span, format!("`{written}` is not a number")))?;
-        if !value.is_finite() {
-            return Err(ExpressionError::new(
-                span,
-                format!("`{written}` is too large for a number"),
-            ));
-        }
         self.position = end;
-        if self.unit_follows() {
-            self.skip_space();
-            let unit_start = self.position;
-            let (factor, dimension) = self.unit_product(false)?;
-            let text = self
-                .text
-                .get(unit_start..self.position)
-                .unwrap_or("")
-                .to_owned();
-            let unit = Unit {
-                factor,
-                dimension,
-                text,
-            };
-            return Ok(Expression {
-                node: Node::Quantity { value, unit },
-                span: Span::new(start, self.position),
-            });
-        }
-        Ok(Expression {
-            node: Node::Number(value),
-            span,
-        })
-    }
-
-    /// Whether a word follows at once: after a number it can only be a unit.
-    fn unit_follows(&mut self) -> bool {
-        match self.peek() {
-            Some('%') => true,
-            Some(first) => starts_name(first),
-            None => false,
-        }
-    }
-
-    /// Unit factors joined by `*` and `/`. In an expression (`whole` false) it ends where no known unit word follows.
-    fn unit_product(&mut self, whole: bool) -> Result<(f64, Dimension), ExpressionError> {
-        let (mut factor, mut dimension) = if whole && self.take("1") && self.peek() == Some('/') {
-            (1.0, Dimension::NONE)
-        } else {
-            self.unit_power()?
-        };
-        loop {
-            let before = self.position;
-            let divide = match self.peek() {
-                Some('*' | '·') => false,
-                Some('/') => true,
-                _ => break,
-            };
-            self.position += self.rest().chars().next().map_or(0, char::len_utf8);
-            if !whole && !self.unit_continues() {
-                self.position = before;
-                break;
-            }
-            let (next, next_dimension) = self.unit_power()?;
-            if divide {
-                factor /= next;
-                dimension = dimension / next_dimension;
-            } else {
-                factor *= next;
-                dimension = dimension * next_dimension;
-            }
-        }
-        // Blanks after the unit are not part of it.
-        let taken = self.text.get(..self.position).unwrap_or("");
-        self.position = taken.trim_end().len();
-        Ok((factor, dimension))
-    }
-
-    /// Whether a known unit, not followed by a call's parenthesis, comes next; parentheses must hold units only.
-    fn unit_continues(&mut self) -> bool {
-        let before = (self.position, self.depth);
-        let continues = match self.peek() {
-            Some('(') => self.unit_power().is_ok(),
-            Some(first) if starts_name(first) => {
-                let (span, _) = self.found();
-                let name = self.text.get(span.start..span.end).unwrap_or("");
-                let known = look_up(name).is_some();
-                self.position = span.end;
-                known
-                    && self.peek() != Some('(')
-                    && !matches!(self.rest().chars().next(), Some('.' | '\''))
-            }
-            _ => false,
-        };
-        (self.position, self.depth) = before;
-        continues
-    }
-
-    fn unit_power(&mut self) -> Result<(f64, Dimension), ExpressionError> {
-        let (factor, dimension) = self.unit_atom()?;
-        let before = self.position;
-        if !self.take("^") {
-            return Ok((factor, dimension));
-        }
-        self.skip_space();
-        let start = self.position;
-        let parenthesis = self.take("(");
-        let sign = if self.take("-") { -1.0 } else { 1.0 };
-        self.skip_space();
-        let digits: String = self
-            .rest()
-            .chars()
-            .take_while(|c| c.is_ascii_digit() || *c == '.')
-            .collect();
-        self.position += digits.len();
-        let closed = !parenthesis || self.take(")");
-        let span = Span::new(start, self.position);
-        let exponent: f64 = match digits.parse::<f64>() {
-            Ok(number) if closed => sign * number,
-            _ => {
-                self.position = before;
-                return Err(ExpressionError::new(
-                    span,
-                    "the power of a unit is a number, such as `m^2`",
-                ));
-            }
-        };
-        let power = dimension.power(exponent).ok_or_else(|| {
-            ExpressionError::new(
-                span,
-                format!("a unit cannot be raised to the power {exponent}"),
-            )
-        })?;
-        Ok((factor.powf(exponent), power))
-    }
-
-    fn unit_atom(&mut self) -> Result<(f64, Dimension), ExpressionError> {
-        if self.take("(") {
-            let inner = self.deeper(|parser| parser.unit_product(true))?;
-            if !self.take(")") {
-                return Err(self.expected("`)` after the unit"));
-            }
-            return Ok(inner);
-        }
-        if self.take("%") {
-            return Ok((1e-2, Dimension::NONE));
-        }
-        if !self.peek().is_some_and(starts_name) {
-            return Err(self.expected("a unit"));
-        }
-        let (span, _) = self.found();
-        let name = self.text.get(span.start..span.end).unwrap_or("");
-        let found = look_up(name).ok_or_else(|| unknown(name, span))?;
-        self.position = span.end;
-        Ok(found)
+        self.text.get(start..end).unwrap_or("").replace('_', "")
     }
 
     fn name(&mut self) -> Result<Expression, ExpressionError> {

@@ -14,7 +14,7 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// Reads a unit such as `N*s/m`, `kg/(s*m^4)`, `lbf/ft` or `1/s`.
+    /// Reads a unit such as `N*s/m`, `kg/(s*m^4)`, `lbf/ft` or `1/s`; `1` is that of plain numbers.
     ///
     /// # Errors
     /// Unknown names (with the nearest valid one) and syntax, at their place.
