@@ -13,8 +13,8 @@ pub enum Kind {
     Placeholder,
 }
 
-/// A named branch of a layout.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+/// A named branch of a layout; equal if name and kind are.
+#[derive(Debug, Clone)]
 pub struct Branch {
     /// The name in the layout, unique there.
     pub name: String,
@@ -24,6 +24,21 @@ pub struct Branch {
     pub(crate) rank: usize,
     /// Whether the name's first letter told the kind.
     pub(crate) lettered: bool,
+}
+
+impl PartialEq for Branch {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name && self.kind == other.kind
+    }
+}
+
+impl Eq for Branch {}
+
+impl std::hash::Hash for Branch {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        self.name.hash(state);
+        self.kind.hash(state);
+    }
 }
 
 /// Ranks of declared kinds start here; those of letters lie below.

@@ -7,7 +7,7 @@ use std::hash::{Hash, Hasher};
 use quell_expression::Span;
 
 use crate::kind::{Branch, Kind, Kinds};
-use crate::order::canonical_tree;
+use crate::order::{canonical_tree, named_tree};
 use crate::{Domain, Element, Tree};
 
 /// Why a text is not a layout, and where.
@@ -115,7 +115,7 @@ impl Layout {
 
 impl PartialEq for Layout {
     fn eq(&self, other: &Self) -> bool {
-        self.domain == other.domain && canonical_tree(&self.tree) == canonical_tree(&other.tree)
+        self.domain == other.domain && named_tree(&self.tree) == named_tree(&other.tree)
     }
 }
 
@@ -124,7 +124,7 @@ impl Eq for Layout {}
 impl Hash for Layout {
     fn hash<H: Hasher>(&self, state: &mut H) {
         self.domain.hash(state);
-        canonical_tree(&self.tree).hash(state);
+        named_tree(&self.tree).hash(state);
     }
 }
 

@@ -20,6 +20,33 @@ pub(crate) fn canonical_tree(tree: &Tree<Branch>) -> Tree<Branch> {
     ordered(tree).tree
 }
 
+/// The tree with every group in the order of the smallest name in each child, whatever the kinds: for comparison.
+pub(crate) fn named_tree(tree: &Tree<Branch>) -> Tree<Branch> {
+    fn sorted(tree: &Tree<Branch>) -> (Tree<Branch>, String) {
+        let (series, children) = match tree {
+            Tree::Leaf(branch) => return (tree.clone(), branch.name.clone()),
+            Tree::Series(children) => (true, children),
+            Tree::Parallel(children) => (false, children),
+        };
+        let mut children: Vec<(Tree<Branch>, String)> = children.iter().map(sorted).collect();
+        children.sort_by(|(_, left), (_, right)| left.cmp(right));
+        let smallest = children
+            .first()
+            .map(|(_, name)| name.clone())
+            .unwrap_or_default();
+        let children = children.into_iter().map(|(child, _)| child).collect();
+        (
+            if series {
+                Tree::Series(children)
+            } else {
+                Tree::Parallel(children)
+            },
+            smallest,
+        )
+    }
+    sorted(tree).0
+}
+
 fn ordered(tree: &Tree<Branch>) -> Ordered {
     let series = match tree {
         Tree::Leaf(branch) => {

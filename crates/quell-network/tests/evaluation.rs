@@ -507,7 +507,9 @@ proptest! {
         // Rows to unit length, then elimination with full pivoting; the smallest pivot tells the distance to singularity.
         for row in &mut rows {
             let norm = row.iter().map(|x| x * x).sum::<f64>().sqrt();
-            row.iter_mut().for_each(|x| *x /= norm);
+            for x in row.iter_mut() {
+                *x /= norm;
+            }
         }
         let mut smallest = f64::INFINITY;
         for step in 0..size {
