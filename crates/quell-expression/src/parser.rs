@@ -110,9 +110,7 @@ impl<'a> Parser<'a> {
             Some('(') => {
                 error.with_help("a product is written `*`, and a function's name stands before `(`")
             }
-            Some('<' | '>' | '=' | '!') => {
-                error.with_help("a comparison has two sides, such as `x <= 5`")
-            }
+            Some('<' | '>') => error.with_help("a comparison has two sides, such as `x <= 5`"),
             _ => error,
         }
     }

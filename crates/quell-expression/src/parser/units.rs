@@ -180,8 +180,13 @@ impl Parser<'_> {
         let exponent = match digits.parse::<f64>() {
             Ok(number) if closed && !again => sign * number,
             _ => {
+                let span = if self.position == start {
+                    self.found().0
+                } else {
+                    Span::new(start, self.position)
+                };
                 return Err(ExpressionError::new(
-                    Span::new(start, self.position),
+                    span,
                     "the power of a unit is a number, such as `m^2`",
                 )
                 .with_help("to raise a quantity, put it in parentheses: `(5 m)^n`"));
