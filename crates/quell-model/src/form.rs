@@ -156,7 +156,7 @@ impl<'a> Reader<'a> {
                 }
                 Err(
                     ExpressionError::new(span, format!("`{function}` of a signal is not linear"))
-                        .with_help("an output is a sum of signals, each times a constant; use functions in a criterion"),
+                        .with_help("expected a sum of signals, each times a constant; criteria may use functions"),
                 )
             }
             Node::Comparison { .. } => Err(ExpressionError::new(
@@ -212,7 +212,10 @@ impl<'a> Reader<'a> {
             }
             (BinaryOperator::Divide, Value::Form(form, dimension), Value::Constant(constant)) => {
                 if constant.value == 0.0 {
-                    return Err(ExpressionError::new(right.span, "division by zero"));
+                    return Err(ExpressionError::new(
+                        right.span,
+                        format!("`{right}` is zero, and it divides"),
+                    ));
                 }
                 scale(
                     form,
@@ -457,7 +460,7 @@ impl<'a> Reader<'a> {
     }
 
     fn example(&self) -> &str {
-        self.part_names().first().copied().unwrap_or("mount")
+        self.part_names().first().copied().unwrap_or("port")
     }
 
     fn unknown_part(&self, name: &str, place: Span) -> ExpressionError {
@@ -503,7 +506,7 @@ enum Named<'a> {
 
 fn not_linear(span: Span, what: &str) -> ExpressionError {
     ExpressionError::new(span, format!("{what} is not linear")).with_help(
-        "an output is a sum of signals, each times a constant; use anything else in a criterion",
+        "expected a sum of signals, each times a constant; criteria may use anything else",
     )
 }
 

@@ -1,7 +1,7 @@
 //! Host structures: what the engineer's machine, building or vehicle is before anything is bolted on.
 //!
 //! A [`HostFile`] is what the engineer wrote; [`HostFile::assemble`] makes of it a [`Host`], whose [`LinearHost`] holds
-//! the equations in SI. [`linear_form`] turns expressions such as `x1'' - 2*force(mount)/m` into combinations of signals.
+//! the equations in SI. [`linear_form`] turns expressions such as `x1'' - 2*force(strut)/m` into combinations of signals.
 //! [`matrix`] reads matrices from files.
 //!
 //! ```

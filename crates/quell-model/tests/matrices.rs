@@ -14,6 +14,7 @@ fn read(file: &str) -> Result<Mat<f64>, MatrixError> {
 
 /// Exact comparison: every value of the fixtures is a binary fraction.
 #[track_caller]
+#[expect(clippy::unwrap_used, reason = "a helper of tests fails as tests do")]
 fn assert_holds(file: &str, expected: &[&[f64]]) {
     let matrix = read(file).unwrap();
     let found: Vec<Vec<f64>> = (0..matrix.nrows())

@@ -126,8 +126,9 @@ impl Modes {
         {
             return fail(
                 format!(
-                    "`modal` gives {} ratios, but the host has {vibrating} vibrating modes",
-                    each.len()
+                    "`modal` gives {} ratios, but the host has {vibrating} vibrating mode{}",
+                    each.len(),
+                    if vibrating == 1 { "" } else { "s" }
                 ),
                 Some("give one ratio for each, lowest frequency first, or one number for all"),
             );

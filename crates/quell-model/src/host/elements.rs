@@ -241,8 +241,8 @@ pub(super) fn amount(
     let quantity = value.quantity(parameters, Some(dimension))?.value;
     if quantity < 0.0 {
         return Err(value
-            .fault(format!("a {what} must not be negative, found {quantity:e}"))
-            .help("a passive element has a value of zero or more"));
+            .fault(format!("a {what} must not be negative"))
+            .help("zero or more is expected"));
     }
     Ok(quantity)
 }
@@ -319,8 +319,8 @@ pub(super) fn ratio(
     }
     Err(value.fault(format!(
         "expected {}, found {}",
-        super::parameters::in_words(dimension.without_angle()),
-        super::parameters::in_words(quantity.dimension)
+        super::parameters::as_quantity(dimension.without_angle()),
+        super::parameters::as_quantity(quantity.dimension)
     )))
 }
 

@@ -84,6 +84,10 @@ impl HostFile {
     ///
     /// # Errors
     /// Syntax, another format version, unknown or missing keys, each with its place.
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "the source goes on living in the file's document"
+    )]
     pub fn parse(source: Arc<Source>, folder: impl Into<PathBuf>) -> Result<Self, Fault> {
         let document = Document::parse(Arc::clone(&source))?;
         let root = document.root();

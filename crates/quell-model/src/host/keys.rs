@@ -274,7 +274,11 @@ pub static RAYLEIGH: KeySet = KeySet {
     title: "Rayleigh damping",
     documentation: "",
     keys: &[
-        Key::optional("alpha", Shape::Amount, "α, 1/s; left out: 0."),
+        Key::optional(
+            "alpha",
+            Shape::Amount,
+            "α, 1/s, such as `\"0.3 s^-1\"` or a plain number; left out: 0.",
+        ),
         Key::optional("beta", Shape::Amount, "β, s; left out: 0."),
     ],
     others: None,
@@ -312,6 +316,6 @@ pub static OUTPUTS: KeySet = KeySet {
     others: Some((
         "NAME",
         Shape::Expression,
-        "For example `\"xe - xs\"`, `\"xe''\"`, `\"force(mount)\"` or `\"stroke(mount)\"`.",
+        "For example `\"xe - xs\"`, `\"xe''\"`, `\"force(port)\"` or `\"stroke(port)\"`.",
     )),
 };

@@ -46,7 +46,7 @@ pub(super) fn read(
         if let Some((row, column)) = damping::asymmetry(mass) {
             return Err(place
                 .fault(format!(
-                    "M is not symmetric: entry ({}, {}) is {:e}, but ({}, {}) is {:e}",
+                    "M is not symmetric: entry ({}, {}) is {}, but ({}, {}) is {}",
                     row + 1,
                     column + 1,
                     mass[(row, column)],

@@ -172,11 +172,20 @@ fn replacement(replaced: &Override, own: Quantity) -> Result<Quantity, Fault> {
     )))
 }
 
-/// `in N/m`, or `a plain number`.
-pub(super) fn in_words(dimension: Dimension) -> String {
+/// "in `N/m`", or "a plain number".
+fn in_words(dimension: Dimension) -> String {
     if dimension.is_none() {
         "a plain number".to_owned()
     } else {
-        format!("in {}", dimension.unit_text())
+        format!("in `{}`", dimension.unit_text())
+    }
+}
+
+/// "a quantity in `N/m`", or "a plain number".
+pub(super) fn as_quantity(dimension: Dimension) -> String {
+    if dimension.is_none() {
+        in_words(dimension)
+    } else {
+        format!("a quantity {}", in_words(dimension))
     }
 }
