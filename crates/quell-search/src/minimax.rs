@@ -299,10 +299,13 @@ impl Minimax {
         penalty: &mut f64,
     ) -> Option<Solved> {
         let mut solved = self.programme(coordinates, value, scale, radius, *penalty)?;
+        // Whether the last programme solved is another one than that of `penalty`.
+        let mut stale = false;
         while solved.elastic > 1e-9 && *penalty < LARGEST_PENALTY {
             let larger = *penalty * 10.0;
             let next = self.programme(coordinates, value, scale, radius, larger)?;
             if next.elastic > 0.9 * solved.elastic {
+                stale = true;
                 break;
             }
             *penalty = larger;
@@ -310,9 +313,11 @@ impl Minimax {
         }
         if 1.5 * solved.constraint_multipliers > *penalty && *penalty < LARGEST_PENALTY {
             *penalty = 2.0 * solved.constraint_multipliers;
+            stale = true;
         }
-        // The last programme solved may have been one with a rejected penalty.
-        let solved = self.programme(coordinates, value, scale, radius, *penalty)?;
+        if stale {
+            solved = self.programme(coordinates, value, scale, radius, *penalty)?;
+        }
         let n = coordinates.len();
         self.step.clear();
         self.step.extend_from_slice(&self.quadratic.solution()[..n]);
