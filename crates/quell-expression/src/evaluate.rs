@@ -10,12 +10,18 @@ impl Expression {
     /// At their place: unknown names (with the nearest valid one), operands whose units do not fit, a result that is
     /// not a finite number, time derivatives and comparisons (which have no value outside equations and constraints).
     pub fn evaluate(&self, scope: &dyn Scope) -> Result<Quantity, ExpressionError> {
-        let quantity = self.part(scope)?;
-        if quantity.value.is_finite() {
-            Ok(quantity)
-        } else {
-            Err(not_finite(self))
+        let (first, operations) = self.chain();
+        let mut quantity = finite(first, first.part(scope)?)?;
+        for operation in operations.into_iter().rev() {
+            if let Node::Binary {
+                operator, right, ..
+            } = &operation.node
+            {
+                let other = right.evaluate(scope)?;
+                quantity = finite(operation, combine(*operator, quantity, other, right)?)?;
+            }
         }
+        Ok(quantity)
     }
 
     fn part(&self, scope: &dyn Scope) -> Result<Quantity, ExpressionError> {
@@ -29,28 +35,8 @@ impl Expression {
                 let operand = operand.evaluate(scope)?;
                 Ok(Quantity::new(-operand.value, operand.dimension))
             }
-            Node::Binary {
-                operator,
-                left,
-                right,
-            } => {
-                let (a, b) = (left.evaluate(scope)?, right.evaluate(scope)?);
-                let dimension = binary_dimension(*operator, (a, left.span), (b, right.span))?;
-                let value = match operator {
-                    BinaryOperator::Add => a.value + b.value,
-                    BinaryOperator::Subtract => a.value - b.value,
-                    BinaryOperator::Multiply => a.value * b.value,
-                    BinaryOperator::Divide => a.value / b.value,
-                    BinaryOperator::Power => power(a.value, b.value),
-                };
-                if *operator == BinaryOperator::Divide && b.value == 0.0 {
-                    return Err(ExpressionError::new(
-                        right.span,
-                        format!("`{}` is zero, and it divides", short(right)),
-                    ));
-                }
-                Ok(Quantity::new(value, dimension))
-            }
+            // The first operand of a chain is no operation.
+            Node::Binary { .. } => self.evaluate(scope),
             Node::Call {
                 function,
                 function_span,
@@ -71,6 +57,38 @@ impl Expression {
             Node::Derivative { .. } | Node::Comparison { .. } => Err(no_value(self)),
         }
     }
+}
+
+fn finite(expression: &Expression, quantity: Quantity) -> Result<Quantity, ExpressionError> {
+    if quantity.value.is_finite() {
+        Ok(quantity)
+    } else {
+        Err(not_finite(expression))
+    }
+}
+
+/// The value of an operation on `a` and `b`, which is the value of `right`.
+fn combine(
+    operator: BinaryOperator,
+    a: Quantity,
+    b: Quantity,
+    right: &Expression,
+) -> Result<Quantity, ExpressionError> {
+    let dimension = binary_dimension(operator, a, b, right.span)?;
+    let value = match operator {
+        BinaryOperator::Add => a.value + b.value,
+        BinaryOperator::Subtract => a.value - b.value,
+        BinaryOperator::Multiply => a.value * b.value,
+        BinaryOperator::Divide if b.value == 0.0 => {
+            return Err(ExpressionError::new(
+                right.span,
+                format!("`{}` is zero, and it divides", short(right)),
+            ));
+        }
+        BinaryOperator::Divide => a.value / b.value,
+        BinaryOperator::Power => power(a.value, b.value),
+    };
+    Ok(Quantity::new(value, dimension))
 }
 
 /// The error for a value that is infinite or not a number.
@@ -183,10 +201,11 @@ pub(crate) fn look_up(name: &str, span: Span, count: usize) -> Result<Function, 
 }
 
 /// The dimension of an operation on two quantities; the exponent's value matters for a power.
-pub(crate) fn binary_dimension(
+fn binary_dimension(
     operator: BinaryOperator,
-    (a, _): (Quantity, Span),
-    (b, b_span): (Quantity, Span),
+    a: Quantity,
+    b: Quantity,
+    b_span: Span,
 ) -> Result<Dimension, ExpressionError> {
     match operator {
         BinaryOperator::Add | BinaryOperator::Subtract => {

@@ -172,6 +172,18 @@ impl Expression {
         }
     }
 
+    /// The first operand of a chain such as a - b + c, and its operations from the last to the first.
+    ///
+    /// Chains may be thousands long, where parentheses nest by the dozen: who follows them in a loop needs little stack.
+    pub(crate) fn chain(&self) -> (&Self, Vec<&Self>) {
+        let (mut first, mut operations) = (self, Vec::new());
+        while let Node::Binary { left, .. } = &first.node {
+            operations.push(first);
+            first = left;
+        }
+        (first, operations)
+    }
+
     /// The names in it, each once, in the order of first use.
     #[must_use]
     pub fn names(&self) -> Vec<&str> {

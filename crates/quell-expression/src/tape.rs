@@ -77,6 +77,33 @@ impl TapeBuilder {
         expression: &Expression,
         constants: &dyn Scope,
     ) -> Result<Slot, ExpressionError> {
+        let (first, operations) = expression.chain();
+        let mut slot = self.operand(first, constants)?;
+        for operation in operations.into_iter().rev() {
+            if let Node::Binary {
+                operator, right, ..
+            } = &operation.node
+            {
+                let other = self.part(right, constants)?;
+                slot = match operator {
+                    BinaryOperator::Add => self.graph.add(slot, other),
+                    BinaryOperator::Subtract => self.graph.subtract(slot, other),
+                    BinaryOperator::Multiply => self.graph.multiply(slot, other),
+                    BinaryOperator::Divide => self.graph.divide(slot, other),
+                    BinaryOperator::Power => self.graph.power(slot, other),
+                };
+                slot = self.finite(operation, slot)?;
+            }
+        }
+        Ok(slot)
+    }
+
+    /// Anything but an operation of two operands.
+    fn operand(
+        &mut self,
+        expression: &Expression,
+        constants: &dyn Scope,
+    ) -> Result<Slot, ExpressionError> {
         let slot = match &expression.node {
             Node::Number(value) => self.graph.constant(*value),
             Node::Quantity { value, unit } => self.graph.constant(value * unit.factor),
@@ -85,20 +112,7 @@ impl TapeBuilder {
                 let operand = self.part(operand, constants)?;
                 self.graph.negate(operand)
             }
-            Node::Binary {
-                operator,
-                left,
-                right,
-            } => {
-                let (a, b) = (self.part(left, constants)?, self.part(right, constants)?);
-                match operator {
-                    BinaryOperator::Add => self.graph.add(a, b),
-                    BinaryOperator::Subtract => self.graph.subtract(a, b),
-                    BinaryOperator::Multiply => self.graph.multiply(a, b),
-                    BinaryOperator::Divide => self.graph.divide(a, b),
-                    BinaryOperator::Power => self.graph.power(a, b),
-                }
-            }
+            Node::Binary { .. } => return self.part(expression, constants),
             Node::Call {
                 function,
                 function_span,
@@ -113,6 +127,11 @@ impl TapeBuilder {
             }
             Node::Derivative { .. } | Node::Comparison { .. } => return Err(no_value(expression)),
         };
+        self.finite(expression, slot)
+    }
+
+    /// Refuses a constant that is infinite or not a number.
+    fn finite(&self, expression: &Expression, slot: Slot) -> Result<Slot, ExpressionError> {
         match self.graph.as_constant(slot) {
             Some(value) if !value.is_finite() => Err(not_finite(expression)),
             _ => Ok(slot),
