@@ -1,1 +1,42 @@
-//! x
+//! Study files, criteria, design problems and the runner.
+//!
+//! [`Study::read`] reads a study, [`check`] says whether it is sound, [`run`] runs it. What comes out is a [`RunOutcome`];
+//! its `results` are the stable record that is written to `results.json`.
+
+mod amount;
+mod built;
+mod candidates;
+mod criteria;
+mod evaluator;
+pub mod keys;
+pub mod outcome;
+mod plots;
+mod problem;
+mod read;
+pub mod results;
+mod runner;
+mod situation;
+pub mod study;
+
+pub use amount::Amount;
+pub use outcome::{
+    BuiltDevice, Design, DesignFindings, Evaluated, Findings, NamedValue, Plot, PointOutcome, Role,
+    RunOutcome, Series, TaskOutcome,
+};
+pub use read::FILE_VERSION;
+pub use runner::{Progress, RunError, RunSettings, Silent, Summary, check, run};
+pub use study::{Sense, Study};
+
+/// The JSON Schema of study files, for editors.
+pub fn json_schema() -> serde_json::Value {
+    quell_document::json_schema(&keys::STUDY)
+}
+
+/// The reference of every key of study and host files, as Markdown.
+pub fn reference() -> String {
+    format!(
+        "{}\n{}",
+        quell_document::reference_markdown(&keys::STUDY),
+        quell_document::reference_markdown(&quell_model::host::keys::HOST)
+    )
+}

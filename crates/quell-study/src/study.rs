@@ -208,6 +208,8 @@ pub struct DesignTask {
     pub starts: Option<usize>,
     /// Relative feasibility tolerance.
     pub feasibility: f64,
+    /// Where the task's objective stands.
+    pub place: Span,
 }
 
 /// Where a layout goes: a whole device, or a placeholder in a device's layout.

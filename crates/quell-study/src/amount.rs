@@ -1,0 +1,129 @@
+//! Amounts as typed: kept as expressions until the parameters of a sweep are known.
+
+use std::sync::Arc;
+
+use quell_document::{Fault, Source, Value};
+use quell_expression::{Dimension, Expression, Node, Quantity, Scope, Span};
+
+/// A number, a quantity or an expression, with the place where it was typed.
+#[derive(Debug, Clone)]
+pub struct Amount {
+    expression: Expression,
+    source: Arc<Source>,
+    span: Span,
+    /// A TOML number, which is SI; a text must carry its unit.
+    plain: bool,
+}
+
+impl Amount {
+    /// Reads a TOML number or text.
+    ///
+    /// # Errors
+    /// The value is neither, or its text is no expression.
+    pub fn read(value: &Value<'_>, source: &Arc<Source>) -> Result<Self, Fault> {
+        let span = value.span();
+        let expression = if value.is_text() {
+            value.expression()?
+        } else {
+            let number = value.as_f64()?;
+            Expression {
+                node: Node::Number(number),
+                span,
+            }
+        };
+        Ok(Self {
+            expression,
+            source: Arc::clone(source),
+            span,
+            plain: !value.is_text(),
+        })
+    }
+
+    /// An amount that is part of a larger expression.
+    pub fn from_expression(expression: Expression, source: &Arc<Source>) -> Self {
+        let span = expression.span;
+        let plain = matches!(expression.node, Node::Number(_));
+        Self {
+            expression,
+            source: Arc::clone(source),
+            span,
+            plain,
+        }
+    }
+
+    /// Where it was typed.
+    pub const fn span(&self) -> Span {
+        self.span
+    }
+
+    /// The file and the place in it.
+    pub fn place(&self) -> (Arc<Source>, Span) {
+        (Arc::clone(&self.source), self.span)
+    }
+
+    /// The expression.
+    pub const fn expression(&self) -> &Expression {
+        &self.expression
+    }
+
+    /// A fault at this amount.
+    pub fn fault(&self, message: impl Into<String>) -> Fault {
+        Fault::at(&self.source, self.span, message)
+    }
+
+    /// Whether it is a number alone, without unit or name: then it is SI.
+    pub const fn is_plain(&self) -> bool {
+        self.plain
+    }
+
+    /// The SI value with its dimension.
+    ///
+    /// # Errors
+    /// Unknown names, units that do not fit together.
+    pub fn quantity(&self, scope: &dyn Scope) -> Result<Quantity, Fault> {
+        self.expression
+            .evaluate(scope)
+            .map_err(|error| Fault::from_expression(&self.source, error))
+    }
+
+    /// The SI value, checked against what is expected. A plain number is taken as SI, save where a frequency is expected.
+    ///
+    /// # Errors
+    /// As [`Self::quantity`]; the dimension is not the expected one; a plain number for a frequency.
+    pub fn value(&self, scope: &dyn Scope, expected: Dimension) -> Result<f64, Fault> {
+        let quantity = self.quantity(scope)?;
+        if expected.accepts(&quantity.dimension) {
+            return Ok(quantity.value);
+        }
+        if self.is_plain() && expected != Dimension::ANGULAR_FREQUENCY {
+            return Ok(quantity.value);
+        }
+        if expected == Dimension::ANGULAR_FREQUENCY {
+            let number = quantity.value;
+            return Err(self
+                .fault(format!(
+                    "`{}` is ambiguous for a frequency",
+                    self.expression
+                ))
+                .label("Hz or rad/s?")
+                .help(format!("write \"{number} Hz\" or \"{number} rad/s\"")));
+        }
+        Err(self
+            .fault(format!(
+                "expected {}, found {}",
+                described(expected),
+                described(quantity.dimension)
+            ))
+            .label(format!("this is {}", described(quantity.dimension))))
+    }
+}
+
+/// A dimension in words: `N/m`, or `a plain number`.
+pub(crate) fn described(dimension: Dimension) -> String {
+    let unit = dimension.unit_text();
+    if unit.is_empty() || unit == "1" {
+        "a plain number".to_owned()
+    } else {
+        format!("a quantity in {unit}")
+    }
+}

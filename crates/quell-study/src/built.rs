@@ -1,0 +1,707 @@
+//! A candidate built onto the host: networks on ports, and the way from design variables to element values.
+
+use std::collections::HashSet;
+use std::ops::Range;
+use std::sync::Arc;
+
+use indexmap::IndexMap;
+use quell_document::Fault;
+use quell_expression::{Dimension, Scope, Span};
+use quell_model::DevicePart;
+use quell_network::{
+    ComponentError, Domain, Element, Expansion, ExpansionWorkspace, Kind, Layout, expand,
+};
+use quell_response::{Assembly, Attached};
+use quell_search::{Scale, Variable};
+
+use crate::amount::Amount;
+use crate::outcome::{BuiltDevice, NamedValue};
+use crate::situation::Situation;
+use crate::study::{Bounds, Device, Slot, Study};
+
+/// A layout for each slot that is filled, with the place where it was asked for.
+#[derive(Debug, Clone)]
+pub(crate) struct Candidate {
+    /// By slot.
+    pub layouts: Vec<(Slot, Layout, Span)>,
+}
+
+impl Candidate {
+    /// The layouts in words, separated by semicolons.
+    pub(crate) fn label(&self) -> String {
+        let layouts: Vec<String> = self
+            .layouts
+            .iter()
+            .map(|(_, layout, _)| layout.to_string())
+            .collect();
+        layouts.join(" ; ")
+    }
+}
+
+/// Where values come from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Values<'a> {
+    /// Values that are given.
+    pub given: &'a IndexMap<String, Amount>,
+    /// Ranges of values that are searched.
+    pub bounds: &'a IndexMap<String, Bounds>,
+    /// Whether anything may be searched; otherwise a value that is not given is an error.
+    pub searched: bool,
+    /// Where the configuration or task stands.
+    pub place: Span,
+}
+
+/// A device on its port.
+#[derive(Debug, Clone)]
+struct Attachment {
+    name: String,
+    device: Device,
+    port: usize,
+    layout: Layout,
+    designed: String,
+    expansion: Expansion,
+    /// Its elements among all mechanical values.
+    elements: Range<usize>,
+    /// Its variables among all.
+    variables: Range<usize>,
+}
+
+/// Where the value of a variable of the networks comes from.
+#[derive(Debug, Clone, Copy)]
+enum Origin {
+    /// A design variable, by index.
+    Searched(usize),
+    /// A value that is given, SI.
+    Given(f64),
+}
+
+/// A candidate on the host, ready for values of its design variables.
+#[derive(Debug)]
+pub(crate) struct Built {
+    /// Host and networks.
+    pub assembly: Arc<Assembly>,
+    /// The design variables.
+    pub variables: Vec<Variable>,
+    /// Keys of the study that were used, so that one that is never used can be refused.
+    pub used: HashSet<String>,
+    attachments: Vec<Attachment>,
+    /// Of every variable of every network.
+    origins: Vec<Origin>,
+}
+
+/// Buffers of [`Built::values`].
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ValueScratch {
+    workspace: ExpansionWorkspace,
+    all: Vec<f64>,
+    derivatives: Vec<f64>,
+    /// Mechanical values of all elements, SI.
+    pub mechanical: Vec<f64>,
+}
+
+impl Built {
+    /// Builds a candidate.
+    ///
+    /// # Errors
+    /// A layout that its port cannot take, an element or variable without value or bounds, amounts of the wrong dimension.
+    pub(crate) fn new(
+        study: &Study,
+        situation: &Situation,
+        candidate: &Candidate,
+        values: Values<'_>,
+    ) -> Result<Self, Fault> {
+        let mut builder = Builder {
+            study,
+            situation,
+            values,
+            used: HashSet::new(),
+            variables: Vec::new(),
+            origins: Vec::new(),
+        };
+        let attachments = builder.attach(candidate)?;
+        builder.assign(&attachments)?;
+        let attached = attachments
+            .iter()
+            .map(|attachment| Attached {
+                port: attachment.port,
+                network: Arc::new(attachment.expansion.network().clone()),
+            })
+            .collect();
+        let assembly = Assembly::new(Arc::clone(&situation.host), attached).map_err(|error| {
+            let span = candidate
+                .layouts
+                .first()
+                .map_or(Span::new(0, 0), |(_, _, span)| *span);
+            Fault::at(
+                &study.source,
+                span,
+                format!(
+                    "`{}` on `{}`: {error}",
+                    candidate.label(),
+                    situation.host.name
+                ),
+            )
+        })?;
+        Ok(Self {
+            assembly: Arc::new(assembly),
+            variables: builder.variables,
+            used: builder.used,
+            attachments,
+            origins: builder.origins,
+        })
+    }
+
+    fn spread(&self, point: &[f64], scratch: &mut ValueScratch) {
+        scratch.all.clear();
+        scratch
+            .all
+            .extend(self.origins.iter().map(|origin| match origin {
+                Origin::Searched(index) => point.get(*index).copied().unwrap_or(f64::NAN),
+                Origin::Given(value) => *value,
+            }));
+        scratch
+            .mechanical
+            .resize(self.assembly.elements(), f64::NAN);
+    }
+
+    /// Mechanical values of all elements for values of the design variables, into `scratch.mechanical`.
+    pub(crate) fn values(&self, point: &[f64], scratch: &mut ValueScratch) {
+        self.spread(point, scratch);
+        for attachment in &self.attachments {
+            let variables = scratch
+                .all
+                .get(attachment.variables.clone())
+                .unwrap_or_default();
+            let values = scratch
+                .mechanical
+                .get_mut(attachment.elements.clone())
+                .unwrap_or_default();
+            attachment
+                .expansion
+                .values(variables, &mut scratch.workspace, values);
+        }
+    }
+
+    /// As [`Self::values`], and prepares [`Self::chain`].
+    pub(crate) fn values_with_derivatives(&self, point: &[f64], scratch: &mut ValueScratch) {
+        self.spread(point, scratch);
+        let entries = self
+            .attachments
+            .iter()
+            .map(|attachment| attachment.expansion.entries().len())
+            .sum();
+        scratch.derivatives.resize(entries, f64::NAN);
+        let mut rest = scratch.derivatives.as_mut_slice();
+        for attachment in &self.attachments {
+            let Some((own, following)) =
+                rest.split_at_mut_checked(attachment.expansion.entries().len())
+            else {
+                return;
+            };
+            rest = following;
+            let variables = scratch
+                .all
+                .get(attachment.variables.clone())
+                .unwrap_or_default();
+            let values = scratch
+                .mechanical
+                .get_mut(attachment.elements.clone())
+                .unwrap_or_default();
+            attachment
+                .expansion
+                .derivatives(variables, &mut scratch.workspace, values, own);
+        }
+    }
+
+    /// The gradient by design variables of `factor` times a number whose gradient by mechanical values is given, at the
+    /// point of the last [`Self::values_with_derivatives`]; as many entries as design variables.
+    pub(crate) fn chain(
+        &self,
+        by_value: &[f64],
+        factor: f64,
+        scratch: &ValueScratch,
+        gradient: &mut [f64],
+    ) {
+        gradient.fill(0.0);
+        let mut derivatives = scratch.derivatives.iter();
+        for attachment in &self.attachments {
+            for ((element, variable), derivative) in attachment
+                .expansion
+                .entries()
+                .iter()
+                .zip(derivatives.by_ref())
+            {
+                let Some(Origin::Searched(index)) =
+                    self.origins.get(attachment.variables.start + variable)
+                else {
+                    continue;
+                };
+                let value = by_value
+                    .get(attachment.elements.start + element)
+                    .copied()
+                    .unwrap_or(f64::NAN);
+                if let Some(entry) = gradient.get_mut(*index) {
+                    *entry += factor * value * derivative;
+                }
+            }
+        }
+    }
+
+    /// Devices and their ports, and their parts, for signals.
+    pub(crate) fn signal_names(&self) -> (Vec<(String, usize)>, Vec<DevicePart>) {
+        let mut devices = Vec::new();
+        let mut parts = Vec::new();
+        for attachment in &self.attachments {
+            devices.push((attachment.name.clone(), attachment.port));
+            parts.extend(
+                attachment
+                    .expansion
+                    .network()
+                    .parts()
+                    .map(|(part, _)| DevicePart {
+                        device: attachment.name.clone(),
+                        port: attachment.port,
+                        part: part.to_owned(),
+                    }),
+            );
+        }
+        (devices, parts)
+    }
+
+    /// Name and own value of an element whose value is not finite, or negative, at these design variables.
+    pub(crate) fn impossible_value(&self, point: &[f64]) -> Option<(String, f64)> {
+        self.devices(point)
+            .into_iter()
+            .flat_map(|device| device.elements)
+            .find(|element| !(element.value.is_finite() && element.value >= 0.0))
+            .map(|element| (element.name, element.value))
+    }
+
+    /// The devices with values, for results and reports.
+    pub(crate) fn devices(&self, point: &[f64]) -> Vec<BuiltDevice> {
+        let mut scratch = ValueScratch::default();
+        self.spread(point, &mut scratch);
+        self.attachments
+            .iter()
+            .map(|attachment| {
+                let network = attachment.expansion.network();
+                let variables = scratch
+                    .all
+                    .get(attachment.variables.clone())
+                    .unwrap_or_default();
+                let mut own = vec![f64::NAN; network.elements().len()];
+                attachment
+                    .expansion
+                    .own_values(variables, &mut scratch.workspace, &mut own);
+                let elements =
+                    network
+                        .elements()
+                        .iter()
+                        .zip(own)
+                        .map(|(element, value)| NamedValue {
+                            name: element.name.clone(),
+                            value,
+                            unit: element.domain.unit(element.element).to_owned(),
+                            bounds: None,
+                        });
+                let origins = self.origins.iter().skip(attachment.variables.start);
+                let named = attachment
+                    .expansion
+                    .variables()
+                    .iter()
+                    .zip(origins)
+                    .zip(variables)
+                    .map(|((variable, origin), value)| NamedValue {
+                        name: variable.name.clone(),
+                        value: *value,
+                        unit: variable.dimension.unit_text(),
+                        bounds: match origin {
+                            Origin::Searched(index) => self
+                                .variables
+                                .get(*index)
+                                .map(|variable| (variable.lower, variable.upper)),
+                            Origin::Given(_) => None,
+                        },
+                    });
+                BuiltDevice {
+                    name: attachment.name.clone(),
+                    domain: attachment.layout.domain(),
+                    designed: attachment.designed.clone(),
+                    layout: attachment.layout.clone(),
+                    variables: named.collect(),
+                    elements: elements.collect(),
+                }
+            })
+            .collect()
+    }
+}
+
+struct Builder<'a> {
+    study: &'a Study,
+    situation: &'a Situation,
+    values: Values<'a>,
+    used: HashSet<String>,
+    variables: Vec<Variable>,
+    origins: Vec<Origin>,
+}
+
+/// A variable of a network, with what is needed to find its value.
+struct Wanted<'a> {
+    attachment: &'a Attachment,
+    name: &'a str,
+    dimension: Dimension,
+    /// Of a plain element: what it is.
+    element: Option<Element>,
+    /// Whether it stands in the device's fixed layout.
+    in_frame: bool,
+    /// Keys under which a value may be given, the most particular first.
+    keys: Vec<String>,
+    /// Further keys under which bounds may be given.
+    bound_keys: Vec<String>,
+    /// Whether another device uses the same name.
+    shared: bool,
+    /// Bounds that come with a component.
+    own_bounds: Option<&'a Bounds>,
+}
+
+impl<'a> Builder<'a> {
+    fn attach(&self, candidate: &Candidate) -> Result<Vec<Attachment>, Fault> {
+        let mut attachments: Vec<Attachment> = Vec::new();
+        let (mut first_element, mut first_variable) = (0, 0);
+        for (name, device) in &self.study.devices {
+            let own: Vec<&(Slot, Layout, Span)> = candidate
+                .layouts
+                .iter()
+                .filter(|(slot, _, _)| slot.device == *name)
+                .collect();
+            let span = own.first().map_or(device.span, |(_, _, span)| *span);
+            let fault = |message: String| Fault::at(&self.study.source, span, message);
+            let layout = match &device.layout {
+                None => match own.first() {
+                    Some((_, layout, _)) => layout.clone(),
+                    None => continue,
+                },
+                Some(_) if own.is_empty() && !device.slots.is_empty() => continue,
+                Some(around) => {
+                    let mut layout = around.clone();
+                    for slot in &device.slots {
+                        let Some((_, inner, _)) = own
+                            .iter()
+                            .find(|(known, _, _)| known.placeholder.as_deref() == Some(slot))
+                        else {
+                            return Err(fault(format!(
+                                "the slot `{slot}` of `{name}` is left empty"
+                            )));
+                        };
+                        layout = layout
+                            .substitute(slot, inner)
+                            .map_err(|error| fault(error.to_string()))?;
+                    }
+                    layout
+                }
+            };
+            let (layout, port) = self.at_port(name, device, layout, span)?;
+            let designed = match own.as_slice() {
+                [(_, designed, _)] => designed.to_string(),
+                _ => layout.to_string(),
+            };
+            let piston = match &device.piston {
+                Some(amount) => Some(amount.value(&self.situation.parameters, Dimension::AREA)?),
+                None => None,
+            };
+            let components = self.situation.components(self.study)?;
+            let expansion = expand(&layout, &components, piston, &self.situation.parameters)
+                .map_err(|error| self.component_fault(error, span))?;
+            let elements = first_element..first_element + expansion.network().elements().len();
+            let variables = first_variable..first_variable + expansion.variables().len();
+            (first_element, first_variable) = (elements.end, variables.end);
+            attachments.push(Attachment {
+                name: name.clone(),
+                device: device.clone(),
+                port,
+                layout,
+                designed,
+                expansion,
+                elements,
+                variables,
+            });
+        }
+        Ok(attachments)
+    }
+
+    fn component_fault(&self, error: ComponentError, span: Span) -> Fault {
+        let source = &self.study.source;
+        let place = |component: &str, element: &str| {
+            let known = self.study.components.get(component);
+            known
+                .and_then(|known| known.values.get(element))
+                .map_or(span, Amount::span)
+        };
+        match error {
+            ComponentError::Expression {
+                component,
+                element,
+                error,
+            } => {
+                let fault = Fault::from_expression(source, error.clone());
+                // A value that has no number at the middle of its bounds has no place of its own in the text.
+                if error.span == Span::default() {
+                    Fault::at(source, place(&component, &element), error.message)
+                } else {
+                    fault
+                }
+            }
+            ComponentError::Dimension {
+                ref component,
+                ref element,
+                ..
+            } => Fault::at(source, place(component, element), error.to_string()),
+            other => Fault::at(source, span, other.to_string()),
+        }
+    }
+
+    /// A mass can only stand where the far side of the device is the inertial frame.
+    fn at_port(
+        &self,
+        name: &str,
+        device: &Device,
+        layout: Layout,
+        span: Span,
+    ) -> Result<(Layout, usize), Fault> {
+        let fault = |message: String| Fault::at(&self.study.source, span, message);
+        let found = self
+            .situation
+            .host
+            .ports
+            .iter()
+            .enumerate()
+            .find(|(_, port)| port.name == device.port);
+        let Some((index, port)) = found else {
+            return Err(Fault::at(
+                &self.study.source,
+                device.port_span,
+                format!("the host has no port `{}`", device.port),
+            ));
+        };
+        if port.hangs {
+            let placed = layout.place_mass().map_err(|error| {
+                fault(format!(
+                    "`{layout}` cannot hang at the port `{}` of `{name}`: {error}",
+                    port.name
+                ))
+                .help("a device at one point ends in a mass: `(k1 | c1) + m1`")
+            })?;
+            return Ok((placed, index));
+        }
+        if !layout.contains_mass() {
+            return Ok((layout, index));
+        }
+        if !port.grounded {
+            return Err(fault(format!(
+                "`{layout}` holds a mass, but the port `{}` of `{name}` lies between two moving points",
+                port.name
+            ))
+            .help("a mass has one terminal in the inertial frame: use a port `at = \"…\"`"));
+        }
+        Ok((
+            layout
+                .place_mass()
+                .map_err(|error| fault(error.to_string()))?,
+            index,
+        ))
+    }
+
+    fn assign(&mut self, attachments: &[Attachment]) -> Result<(), Fault> {
+        // A name that several devices use is told apart by the device's.
+        let mut seen: IndexMap<&str, usize> = IndexMap::new();
+        for variable in attachments
+            .iter()
+            .flat_map(|attachment| attachment.expansion.variables())
+        {
+            *seen.entry(variable.name.as_str()).or_default() += 1;
+        }
+        for attachment in attachments {
+            let device = &attachment.name;
+            for variable in attachment.expansion.variables() {
+                let name = variable.name.as_str();
+                let shared = seen.get(name).is_some_and(|count| *count > 1);
+                let mut keys = vec![format!("{device}.{name}")];
+                if !shared {
+                    keys.push(name.to_owned());
+                }
+                let element = attachment
+                    .layout
+                    .branch(name)
+                    .and_then(|branch| match branch.kind {
+                        Kind::Element(element) => Some(element),
+                        _ => None,
+                    });
+                let frame = attachment.device.layout.as_ref();
+                let mut wanted = Wanted {
+                    attachment,
+                    name,
+                    dimension: variable.dimension,
+                    element,
+                    in_frame: frame.is_some_and(|frame| frame.branch(&variable.branch).is_some()),
+                    keys,
+                    bound_keys: Vec::new(),
+                    shared,
+                    own_bounds: None,
+                };
+                if let Some((kind, inner)) = &variable.component {
+                    // What is said of the kind holds for every instance.
+                    wanted.keys.push(format!("{kind}.{inner}"));
+                    wanted.own_bounds = self
+                        .study
+                        .components
+                        .get(kind)
+                        .and_then(|component| component.variables.get(inner));
+                } else {
+                    let stem = name.trim_end_matches(|character: char| character.is_ascii_digit());
+                    wanted.bound_keys = vec![format!("{device}.{stem}"), stem.to_owned()];
+                }
+                let origin = self.origin(&wanted)?;
+                self.origins.push(origin);
+            }
+        }
+        Ok(())
+    }
+
+    fn origin(&mut self, wanted: &Wanted<'_>) -> Result<Origin, Fault> {
+        let parameters = &self.situation.parameters;
+        let given: Option<(&String, &'a Amount)> = wanted
+            .keys
+            .iter()
+            .find_map(|key| self.values.given.get(key).map(|amount| (key, amount)));
+        let fixed = wanted
+            .attachment
+            .device
+            .values
+            .get(wanted.name)
+            .filter(|_| wanted.in_frame);
+        if let Some((key, _)) = given {
+            self.used.insert(key.clone());
+        }
+        if let Some(amount) = given.map(|(_, amount)| amount).or(fixed) {
+            let value = amount.value(parameters, wanted.dimension)?;
+            if let Some(element) = wanted.element.filter(|_| value < 0.0) {
+                let what = wanted.attachment.layout.domain().element_name(element);
+                return Err(
+                    amount.fault(format!("`{}` is negative: a {what} cannot be", wanted.name))
+                );
+            }
+            return Ok(Origin::Given(value));
+        }
+        if self.values.searched {
+            let keys = wanted.keys.iter().chain(&wanted.bound_keys);
+            let found = keys
+                .into_iter()
+                .find_map(|key| self.values.bounds.get(key).map(|bounds| (key, bounds)));
+            if let Some((key, _)) = found {
+                self.used.insert(key.clone());
+            }
+            if let Some(bounds) = found.map(|(_, bounds)| bounds).or(wanted.own_bounds) {
+                return self.variable(wanted, bounds);
+            }
+        }
+        let parameter = parameters
+            .quantity(wanted.name)
+            .filter(|_| wanted.in_frame && wanted.element.is_some());
+        match parameter {
+            Some(parameter) if wanted.dimension.accepts(&parameter.dimension) => Ok(Origin::Given(parameter.value)),
+            Some(parameter) => Err(Fault::at(
+                &self.study.source,
+                wanted.attachment.device.span,
+                format!(
+                    "the host's parameter `{}` is in {}, but the element of that name in `{}` in {}",
+                    wanted.name, parameter.dimension, wanted.attachment.name, wanted.dimension
+                ),
+            )
+            .help(format!("give it under `values` of the device: `{} = …`", wanted.name))),
+            None => Err(self.nothing_for(wanted)),
+        }
+    }
+
+    /// Neither value nor bounds.
+    fn nothing_for(&self, wanted: &Wanted<'_>) -> Fault {
+        let name = wanted.name;
+        let what = if self.values.searched {
+            "neither bounds nor a value"
+        } else {
+            "no value"
+        };
+        let fault = Fault::at(
+            &self.study.source,
+            self.values.place,
+            format!(
+                "`{name}` in the layout `{}` of `{}` has {what}",
+                wanted.attachment.layout, wanted.attachment.name
+            ),
+        );
+        let unit = wanted.dimension.unit_text();
+        let key = if name.contains('.') {
+            format!("\"{name}\"")
+        } else {
+            name.to_owned()
+        };
+        let example = if unit.is_empty() {
+            "…".to_owned()
+        } else {
+            format!("\"… {unit}\"")
+        };
+        fault.help(if self.values.searched {
+            format!(
+                "add it to `bounds` of the task (`{key} = [{example}, {example}]`) or to `fixed`"
+            )
+        } else {
+            format!("add `{key} = {example}` to the configuration")
+        })
+    }
+
+    fn variable(&mut self, wanted: &Wanted<'_>, bounds: &Bounds) -> Result<Origin, Fault> {
+        let fault = |message: String| Fault::at(&self.study.source, bounds.span, message);
+        let lower = bounds
+            .lower
+            .value(&self.situation.parameters, wanted.dimension)?;
+        let upper = bounds
+            .upper
+            .value(&self.situation.parameters, wanted.dimension)?;
+        if let Some(element) = wanted.element.filter(|_| lower < 0.0) {
+            let what = wanted.attachment.layout.domain().element_name(element);
+            return Err(bounds
+                .lower
+                .fault(format!(
+                    "the lower bound of `{}` is negative: a {what} cannot be",
+                    wanted.name
+                ))
+                .help(
+                    "a lower bound of 0 or a little more lets the search leave the element out",
+                ));
+        }
+        let wide = lower > 0.0 && upper >= 10.0 * lower;
+        let scale = bounds.scale.unwrap_or(if wide {
+            Scale::Logarithmic
+        } else {
+            Scale::Linear
+        });
+        let shown = if wanted.shared {
+            format!("{}.{}", wanted.attachment.name, wanted.name)
+        } else {
+            wanted.name.to_owned()
+        };
+        let variable = Variable::new(shown, lower, upper, scale).map_err(|error| {
+            fault(error.to_string())
+                .help("bounds are `[lower, upper]`; a value that does not vary belongs to `fixed`")
+        })?;
+        self.variables.push(variable);
+        Ok(Origin::Searched(self.variables.len() - 1))
+    }
+}
+
+/// Domain of a device's layouts.
+pub(crate) fn domain_of(study: &Study, slot: &Slot) -> Domain {
+    study
+        .devices
+        .get(&slot.device)
+        .map_or(Domain::Translational, |device| device.domain)
+}

@@ -1,0 +1,363 @@
+//! Criteria: expressions over runs, compiled into functionals of the response and a tape over their values.
+//!
+//! | written | run | meaning |
+//! | --- | --- | --- |
+//! | `max(abs(y))` | frequency with a band | peak of \|Y(jω)/U(jω)\| over the band, between grid points too |
+//! | `abs(y, f)` | frequency | \|Y/U\| at the frequency f |
+//! | `h2(y)` | frequency | √((1/2π)∫\|Y/U\|² dω) over all ω, or over the band, both signs |
+//! | `variance(y)`, `rms(y)` | frequency with a spectrum | ∫ S(f) \|Y/U\|² df over f > 0 (the band), and its root |
+//! | `min(damping_ratio)`, `max(damping_ratio)` | modes | over the modes: ζ = -Re λ/\|λ\| |
+//! | `min(decay_rate)`, `max(decay_rate)` | modes | -Re λ, 1/s |
+//! | `min(frequency)`, `max(frequency)` | modes | \|λ\|, rad/s |
+//!
+//! y is linear in coordinates, inputs and outputs of the host (`xe - xs`, `xe''`, `force(port)`, `stroke(part)`);
+//! around these calls any arithmetic over host parameters may stand.
+
+use quell_expression::{Dimension, Expression, ExpressionError, Node, Quantity, Scope};
+use quell_model::LinearForm;
+
+/// A number taken from the response of an assembly.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Functional {
+    /// Largest magnitude over the run's band.
+    Peak(LinearForm),
+    /// Magnitude at one frequency, rad/s.
+    Magnitude(LinearForm, f64),
+    /// A norm.
+    Norm(LinearForm, Norm),
+    /// A statistic of the modes.
+    Modes(Statistic, Modal),
+}
+
+/// Which norm of a frequency response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Norm {
+    /// √((1/2π)∫|H|² dω).
+    H2,
+    /// ∫ S |H|² df.
+    Variance,
+    /// Root of the variance.
+    Rms,
+}
+
+/// Smallest or largest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Statistic {
+    /// Smallest over the modes.
+    Least,
+    /// Largest over the modes.
+    Largest,
+}
+
+/// What is read from each mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Modal {
+    /// -Re λ/|λ|.
+    DampingRatio,
+    /// -Re λ, 1/s.
+    DecayRate,
+    /// |λ|, rad/s.
+    Frequency,
+}
+
+impl Modal {
+    /// The names in the study file.
+    pub(crate) const NAMES: [&'static str; 3] = ["damping_ratio", "decay_rate", "frequency"];
+
+    fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "damping_ratio" => Some(Self::DampingRatio),
+            "decay_rate" => Some(Self::DecayRate),
+            "frequency" => Some(Self::Frequency),
+            _ => None,
+        }
+    }
+
+    fn dimension(self) -> Dimension {
+        match self {
+            Self::DampingRatio => Dimension::NONE,
+            Self::DecayRate => Dimension::NONE / Dimension::TIME,
+            Self::Frequency => Dimension::ANGULAR_FREQUENCY,
+        }
+    }
+}
+
+/// What the compiler of criteria asks of its surroundings.
+pub(crate) trait RunContext {
+    /// The linear form of a signal, with the dimension of signal over input.
+    ///
+    /// # Errors
+    /// The expression is not linear, or names something unknown.
+    fn signal(&self, expression: &Expression) -> Result<(LinearForm, Dimension), ExpressionError>;
+    /// Host parameters.
+    fn scope(&self) -> &dyn Scope;
+    /// What kind of run it is.
+    fn kind(&self) -> RunKind;
+}
+
+/// What a criterion may ask of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RunKind {
+    /// A frequency response.
+    Frequency {
+        /// It has a band.
+        band: bool,
+        /// It has a spectrum, of this dimension per Hz.
+        spectrum: Option<Dimension>,
+    },
+    /// Modes.
+    Modes,
+}
+
+/// A criterion split into functionals and the arithmetic around them.
+#[derive(Debug, Clone)]
+pub(crate) struct Compiled {
+    /// The functionals with their dimensions.
+    pub functionals: Vec<(Functional, Dimension)>,
+    /// The arithmetic, with the functionals as the names `functional.0`, `functional.1` …
+    pub arithmetic: Expression,
+    /// The dimension of the whole.
+    pub dimension: Dimension,
+}
+
+/// The name under which a functional stands in [`Compiled::arithmetic`].
+pub(crate) fn functional_name(index: usize) -> String {
+    format!("functional.{index}")
+}
+
+/// Splits a criterion.
+///
+/// # Errors
+/// A call that the run does not offer, a signal that is not linear, units that do not fit, an unknown name.
+pub(crate) fn compile(
+    value: &Expression,
+    context: &dyn RunContext,
+) -> Result<Compiled, ExpressionError> {
+    let mut functionals = Vec::new();
+    let arithmetic = split(value, context, &mut functionals)?;
+    if functionals.is_empty() {
+        return Err(ExpressionError {
+            span: value.span,
+            message: "this criterion takes nothing from its run".to_owned(),
+            help: Some(offers(context.kind())),
+        });
+    }
+    let scope = WithFunctionals {
+        functionals: &functionals,
+        outer: context.scope(),
+    };
+    let dimension = arithmetic.evaluate(&scope)?.dimension;
+    Ok(Compiled {
+        functionals,
+        arithmetic,
+        dimension,
+    })
+}
+
+/// Host parameters and functionals, the latter as one in their dimension.
+struct WithFunctionals<'a> {
+    functionals: &'a [(Functional, Dimension)],
+    outer: &'a dyn Scope,
+}
+
+impl Scope for WithFunctionals<'_> {
+    fn quantity(&self, name: &str) -> Option<Quantity> {
+        name.strip_prefix("functional.")
+            .and_then(|index| index.parse::<usize>().ok())
+            .and_then(|index| self.functionals.get(index))
+            .map(|(_, dimension)| Quantity {
+                value: 1.0,
+                dimension: *dimension,
+            })
+            .or_else(|| self.outer.quantity(name))
+    }
+
+    fn names(&self) -> Vec<&str> {
+        self.outer.names()
+    }
+}
+
+fn offers(kind: RunKind) -> String {
+    match kind {
+        RunKind::Frequency { band, spectrum } => {
+            let mut calls = vec!["`h2(y)`", "`abs(y, 12 Hz)`"];
+            if band {
+                calls.insert(0, "`max(abs(y))`");
+            }
+            if spectrum.is_some() {
+                calls.extend(["`rms(y)`", "`variance(y)`"]);
+            }
+            format!("a frequency run offers {}", calls.join(", "))
+        }
+        RunKind::Modes => "a modes run offers `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`".to_owned(),
+    }
+}
+
+fn split(
+    expression: &Expression,
+    context: &dyn RunContext,
+    functionals: &mut Vec<(Functional, Dimension)>,
+) -> Result<Expression, ExpressionError> {
+    if let Some(found) = functional(expression, context)? {
+        let index = functionals
+            .iter()
+            .position(|known| *known == found)
+            .unwrap_or_else(|| {
+                functionals.push(found);
+                functionals.len() - 1
+            });
+        return Ok(Expression {
+            node: Node::Name(functional_name(index)),
+            span: expression.span,
+        });
+    }
+    let node = match &expression.node {
+        Node::Negate(operand) => Node::Negate(Box::new(split(operand, context, functionals)?)),
+        Node::Binary {
+            operator,
+            left,
+            right,
+        } => Node::Binary {
+            operator: *operator,
+            left: Box::new(split(left, context, functionals)?),
+            right: Box::new(split(right, context, functionals)?),
+        },
+        Node::Call {
+            function,
+            function_span,
+            arguments,
+        } => Node::Call {
+            function: function.clone(),
+            function_span: *function_span,
+            arguments: arguments
+                .iter()
+                .map(|argument| split(argument, context, functionals))
+                .collect::<Result<_, _>>()?,
+        },
+        Node::Name(name) if context.scope().quantity(name).is_none() && name != "pi" => {
+            // A bare signal is the commonest slip: a criterion is one number, a signal is many.
+            if context.signal(expression).is_ok() || Modal::from_name(name).is_some() {
+                return Err(ExpressionError {
+                    span: expression.span,
+                    message: format!("`{name}` is not one number: it varies over the run"),
+                    help: Some(offers(context.kind())),
+                });
+            }
+            expression.node.clone()
+        }
+        other => other.clone(),
+    };
+    Ok(Expression {
+        node,
+        span: expression.span,
+    })
+}
+
+/// The functional that a call stands for, if it stands for one.
+fn functional(
+    expression: &Expression,
+    context: &dyn RunContext,
+) -> Result<Option<(Functional, Dimension)>, ExpressionError> {
+    let Node::Call {
+        function,
+        function_span,
+        arguments,
+    } = &expression.node
+    else {
+        return Ok(None);
+    };
+    let refused = |message: String| {
+        Err(ExpressionError {
+            span: *function_span,
+            message,
+            help: Some(offers(context.kind())),
+        })
+    };
+    match (function.as_str(), arguments.as_slice(), context.kind()) {
+        ("max", [inner], RunKind::Frequency { band, .. }) => {
+            let Some(signal) = magnitude_of(inner) else {
+                return refused(format!("`max({inner})` is not the peak of a magnitude"));
+            };
+            if !band {
+                return refused("a peak is taken over a band, and the run has none".to_owned());
+            }
+            let (form, dimension) = context.signal(signal)?;
+            Ok(Some((Functional::Peak(form), dimension)))
+        }
+        ("abs", [signal, at], RunKind::Frequency { .. }) => {
+            let (form, dimension) = context.signal(signal)?;
+            let frequency = at.evaluate(context.scope())?;
+            if !Dimension::ANGULAR_FREQUENCY.accepts(&frequency.dimension) || frequency.value <= 0.0
+            {
+                return Err(ExpressionError {
+                    span: at.span,
+                    message: format!("`{at}` is not a frequency above zero"),
+                    help: Some("write it with its unit: `12 Hz`".to_owned()),
+                });
+            }
+            Ok(Some((
+                Functional::Magnitude(form, frequency.value),
+                dimension,
+            )))
+        }
+        ("h2", [signal], RunKind::Frequency { .. }) => {
+            let (form, dimension) = context.signal(signal)?;
+            let root_of_rate = (Dimension::NONE / Dimension::TIME).sqrt();
+            Ok(Some((
+                Functional::Norm(form, Norm::H2),
+                dimension * root_of_rate,
+            )))
+        }
+        ("variance" | "rms", [signal], RunKind::Frequency { spectrum, .. }) => {
+            let Some(spectrum) = spectrum else {
+                return refused(format!(
+                    "`{function}` needs a spectrum of the input, and the run has none"
+                ));
+            };
+            let (form, dimension) = context.signal(signal)?;
+            let variance = dimension * dimension * spectrum / Dimension::TIME;
+            Ok(Some(if function == "rms" {
+                (Functional::Norm(form, Norm::Rms), variance.sqrt())
+            } else {
+                (Functional::Norm(form, Norm::Variance), variance)
+            }))
+        }
+        ("min" | "max", [inner], RunKind::Modes) => {
+            let modal = match &inner.node {
+                Node::Name(name) => Modal::from_name(name),
+                _ => None,
+            };
+            let Some(modal) = modal else {
+                return refused(format!("`{inner}` is nothing that modes have"));
+            };
+            let statistic = if function == "min" {
+                Statistic::Least
+            } else {
+                Statistic::Largest
+            };
+            Ok(Some((
+                Functional::Modes(statistic, modal),
+                modal.dimension(),
+            )))
+        }
+        ("h2" | "variance" | "rms", _, _) => {
+            refused(format!("`{expression}` is not what this run offers"))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// y of `abs(y)`.
+fn magnitude_of(expression: &Expression) -> Option<&Expression> {
+    match &expression.node {
+        Node::Call {
+            function,
+            arguments,
+            ..
+        } if function == "abs" => match arguments.as_slice() {
+            [signal] => Some(signal),
+            _ => None,
+        },
+        _ => None,
+    }
+}

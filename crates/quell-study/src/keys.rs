@@ -1,0 +1,347 @@
+//! The keys of a study file: one definition for the reader, the JSON Schema and the reference.
+
+use quell_document::{Key, KeySet, Shape};
+
+const TEXTS: Shape = Shape::List(&Shape::Text);
+const AMOUNTS: Shape = Shape::MapOf(&Shape::Amount);
+const COUNTS: Shape = Shape::MapOf(&Shape::Integer);
+const BOUNDS: Shape = Shape::AnyOf(&[Shape::List(&Shape::Amount), Shape::Table(&BOUNDS_TABLE)]);
+const DOMAINS: Shape = Shape::Choice(&["translational", "rotational", "electrical", "hydraulic"]);
+const SCALES: Shape = Shape::Choice(&["linear", "log"]);
+
+/// The study itself.
+pub const STUDY: KeySet = KeySet {
+    title: "Study",
+    documentation: "A study file: which structure, what may be bolted on, what hurts, what is asked.",
+    keys: &[
+        Key::required("quell", Shape::Integer, "Version of the file format: 1."),
+        Key::required("title", Shape::Text, "What the study is about, in words."),
+        Key::required(
+            "host",
+            Shape::Text,
+            "Path of the host file, relative to this file.",
+        ),
+        Key::optional(
+            "parameters",
+            AMOUNTS,
+            "Values that replace parameters of the host: `{ me = \"70 kg\" }`.",
+        ),
+        Key::optional(
+            "elements",
+            Shape::MapOf(&Shape::Table(&ELEMENT)),
+            "Element names whose first letter does not tell their kind.",
+        ),
+        Key::optional(
+            "components",
+            Shape::MapOf(&Shape::Table(&COMPONENT)),
+            "Named sub-networks with design variables of their own.",
+        ),
+        Key::required(
+            "devices",
+            Shape::MapOf(&Shape::Table(&DEVICE)),
+            "What may be bolted on, and at which port.",
+        ),
+        Key::required(
+            "runs",
+            Shape::MapOf(&Shape::Table(&RUN)),
+            "Computations on the assembled system that criteria read.",
+        ),
+        Key::required(
+            "criteria",
+            Shape::MapOf(&Shape::Table(&CRITERION)),
+            "Numbers taken from runs.",
+        ),
+        Key::required(
+            "tasks",
+            Shape::List(&Shape::Table(&TASK)),
+            "What is asked, in order.",
+        ),
+        Key::optional("report", Shape::Table(&REPORT), "What the report shows."),
+    ],
+    others: None,
+};
+
+/// `[elements.NAME]`.
+pub const ELEMENT: KeySet = KeySet {
+    title: "Declared element",
+    documentation: "A name that stands for an element in layouts.",
+    keys: &[
+        Key::required(
+            "kind",
+            Shape::Choice(&["spring", "damper", "inerter", "mass"]),
+            "What it is (of the mechanical kind; in other domains its analogue).",
+        ),
+        Key::optional(
+            "domain",
+            DOMAINS,
+            "Domain of the layouts that use it; translational unless given.",
+        ),
+    ],
+    others: None,
+};
+
+/// `[components.NAME]`.
+pub const COMPONENT: KeySet = KeySet {
+    title: "Component",
+    documentation: "A named sub-network whose element values are expressions of design variables. Instances in a layout are NAME1, NAME2 …, their variables NAME1.VARIABLE.",
+    keys: &[
+        Key::optional(
+            "domain",
+            DOMAINS,
+            "Domain of its layout; translational unless given.",
+        ),
+        Key::required("layout", Shape::Text, "Its elements: `R + I`."),
+        Key::required(
+            "values",
+            AMOUNTS,
+            "Value of each element: an expression of the variables and the host's parameters.",
+        ),
+        Key::optional(
+            "variables",
+            Shape::MapOf(&BOUNDS),
+            "Design variables (plain numbers or with units) with their bounds.",
+        ),
+    ],
+    others: None,
+};
+
+/// Bounds written as a table.
+pub const BOUNDS_TABLE: KeySet = KeySet {
+    title: "Bounds",
+    documentation: "The range of a design variable; `[lower, upper]` is the short form.",
+    keys: &[
+        Key::required("bounds", Shape::List(&Shape::Amount), "`[lower, upper]`."),
+        Key::optional(
+            "scale",
+            SCALES,
+            "Scale of the search; unless given, log where both bounds are positive and a decade or more apart.",
+        ),
+    ],
+    others: None,
+};
+
+/// `[devices.NAME]`.
+pub const DEVICE: KeySet = KeySet {
+    title: "Device",
+    documentation: "A place for a device. Without `layout` the whole device is what a task designs; with it, a slot in it.",
+    keys: &[
+        Key::required("port", Shape::Text, "A port of the host."),
+        Key::optional(
+            "domain",
+            DOMAINS,
+            "Domain of its layouts: the port's own unless given; hydraulic needs `piston`.",
+        ),
+        Key::optional(
+            "piston",
+            Shape::Amount,
+            "Piston area between hydraulic layouts and the port.",
+        ),
+        Key::optional(
+            "layout",
+            Shape::Text,
+            "A fixed layout around slots: `C1 | (C2 + network)`.",
+        ),
+        Key::optional(
+            "slots",
+            TEXTS,
+            "Names of the slots in `layout`; `network` unless given.",
+        ),
+        Key::optional(
+            "values",
+            AMOUNTS,
+            "Values of the elements in `layout`; an element that is not named here takes the host's parameter of its name.",
+        ),
+    ],
+    others: None,
+};
+
+/// `[runs.NAME]`.
+pub const RUN: KeySet = KeySet {
+    title: "Run",
+    documentation: "One computation: the response to a harmonic input over frequency, or the free modes.",
+    keys: &[
+        Key::required(
+            "kind",
+            Shape::Choice(&["frequency", "modes"]),
+            "Which computation.",
+        ),
+        Key::optional("input", Shape::Text, "frequency: the input of the host."),
+        Key::optional(
+            "band",
+            Shape::List(&Shape::Amount),
+            "frequency: `[\"0 Hz\", \"30 Hz\"]`; left out, all frequencies (norms only).",
+        ),
+        Key::optional(
+            "spectrum",
+            Shape::Amount,
+            "frequency: one-sided spectrum of the input per Hz, a value or an expression of `f` (and the host's parameters): `\"1e-4 m^2/Hz*(1 Hz/f)^2\"`.",
+        ),
+        Key::optional(
+            "modes",
+            Shape::Choice(&["all", "oscillatory"]),
+            "modes: which of them count; all unless given. Rigid-body modes never count.",
+        ),
+    ],
+    others: None,
+};
+
+/// `[criteria.NAME]`.
+pub const CRITERION: KeySet = KeySet {
+    title: "Criterion",
+    documentation: "One number taken from a run. Over frequency: `max(abs(y))`, `abs(y, 12 Hz)`, `h2(y)`, `rms(y)`, `variance(y)`; of modes: `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`. y is linear in coordinates, inputs and outputs (`xe - xs`, `xe''`, `force(PORT)`, `stroke(track1)`).",
+    keys: &[
+        Key::required("run", Shape::Text, "Name of the run."),
+        Key::required("value", Shape::Expression, "The number."),
+        Key::optional(
+            "unit",
+            Shape::Text,
+            "Unit in which people read it; results.json is SI in any case.",
+        ),
+        Key::optional(
+            "tolerance",
+            Shape::Number,
+            "Relative tolerance of the value; 1e-4 unless given.",
+        ),
+    ],
+    others: None,
+};
+
+/// `[[tasks]]`.
+pub const TASK: KeySet = KeySet {
+    title: "Task",
+    documentation: "What is asked: `evaluate` given configurations, or `design`: the best values of candidate layouts, ranked.",
+    keys: &[
+        Key::required("name", Shape::Text, "Unique name of the task."),
+        Key::required(
+            "kind",
+            Shape::Choice(&["evaluate", "design"]),
+            "What is asked.",
+        ),
+        Key::optional(
+            "configurations",
+            Shape::MapOf(&Shape::MapOf(&Shape::Amount)),
+            "evaluate: by name, a layout for each slot (`network = \"track1\"`) and a value for each variable or element; a device that is not named is left off.",
+        ),
+        Key::optional(
+            "minimise",
+            Shape::Text,
+            "design: the criterion to make small.",
+        ),
+        Key::optional(
+            "maximise",
+            Shape::Text,
+            "design: the criterion to make large.",
+        ),
+        Key::optional(
+            "subject_to",
+            TEXTS,
+            "design: constraints `CRITERION <= VALUE` or `CRITERION >= VALUE`.",
+        ),
+        Key::optional(
+            "references",
+            TEXTS,
+            "design: names of configurations, or layouts to be designed under the same bounds, against which improvements are given.",
+        ),
+        Key::optional(
+            "candidates",
+            Shape::MapOf(&Shape::AnyOf(&[TEXTS, Shape::Table(&BUDGET)])),
+            "design: for each slot (or device without `layout`) a list of layouts, or a budget of which all layouts are tried.",
+        ),
+        Key::optional("fixed", AMOUNTS, "design: values that are given."),
+        Key::optional(
+            "bounds",
+            Shape::MapOf(&BOUNDS),
+            "design: range of each value that is searched, by the element's name (`k1`), by its kind (`k`), or by variable (`track.dL`, `track1.dL`). A missing bound is an error.",
+        ),
+        Key::optional(
+            "starts",
+            Shape::Integer,
+            "design: independent starts for each layout; chosen from the number of variables unless given.",
+        ),
+        Key::optional(
+            "feasibility",
+            Shape::Number,
+            "design: relative tolerance within which a constraint holds; 1e-6 unless given.",
+        ),
+        Key::optional(
+            "sweep",
+            Shape::MapOf(&Shape::AnyOf(&[
+                Shape::Table(&SWEEP),
+                Shape::List(&Shape::Amount),
+            ])),
+            "Repeat the task at values of host parameters; several give every combination.",
+        ),
+    ],
+    others: None,
+};
+
+/// A budget of elements or components.
+pub const BUDGET: KeySet = KeySet {
+    title: "Budget",
+    documentation: "All series-parallel layouts with these numbers of elements, or of branches over components, each once.",
+    keys: &[
+        Key::optional("springs", Shape::Integer, "Number of springs."),
+        Key::optional("dampers", Shape::Integer, "Number of dampers."),
+        Key::optional("inerters", Shape::Integer, "Number of inerters."),
+        Key::optional(
+            "masses",
+            Shape::Integer,
+            "Number of masses, at the far end.",
+        ),
+        Key::optional("components", TEXTS, "Kinds of branch: components."),
+        Key::optional(
+            "branches",
+            Shape::AnyOf(&[Shape::Integer, Shape::List(&Shape::Integer)]),
+            "With `components`: number of branches, or a list of numbers.",
+        ),
+        Key::optional(
+            "at_least",
+            COUNTS,
+            "With `components`: at least so many of a kind.",
+        ),
+        Key::optional(
+            "at_most",
+            COUNTS,
+            "With `components`: at most so many of a kind.",
+        ),
+        Key::optional(
+            "reducible",
+            Shape::Boolean,
+            "Also layouts with two like single elements side by side in one group; false unless given.",
+        ),
+    ],
+    others: None,
+};
+
+/// A range of a swept parameter.
+pub const SWEEP: KeySet = KeySet {
+    title: "Sweep",
+    documentation: "Values of a swept parameter: a range, or `values`.",
+    keys: &[
+        Key::optional("from", Shape::Amount, "First value."),
+        Key::optional("to", Shape::Amount, "Last value."),
+        Key::optional("points", Shape::Integer, "Number of values, at least 2."),
+        Key::optional("scale", SCALES, "Spacing; linear unless given."),
+        Key::optional(
+            "values",
+            Shape::List(&Shape::Amount),
+            "The values one by one, instead of a range.",
+        ),
+    ],
+    others: None,
+};
+
+/// `[report]`.
+pub const REPORT: KeySet = KeySet {
+    title: "Report",
+    documentation: "What the report shows beyond its defaults.",
+    keys: &[
+        Key::optional(
+            "shortlist",
+            Shape::Integer,
+            "How many designs are printed and drawn large; 5 unless given.",
+        ),
+        Key::optional("note", Shape::Text, "Words above the results."),
+    ],
+    others: None,
+};

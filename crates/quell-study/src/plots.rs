@@ -1,0 +1,192 @@
+//! Responses to be drawn: references and designs on one frequency axis.
+
+use std::f64::consts::TAU;
+
+use quell_model::LinearForm;
+use quell_response::{Assembly, certify};
+
+use crate::evaluator::{Evaluator, EvaluatorScratch};
+use crate::outcome::{Plot, Role, Series};
+use crate::study::Study;
+
+/// Points of a curve before peaks are added.
+const POINTS: usize = 400;
+
+/// Plots under way, one for each criterion that is a number of a frequency response.
+#[derive(Debug, Default)]
+pub(crate) struct Curves {
+    only: Option<String>,
+    plots: Vec<(String, Plot)>,
+}
+
+impl Curves {
+    /// Curves of one criterion alone.
+    pub(crate) fn only(criterion: &str) -> Self {
+        Self {
+            only: Some(criterion.to_owned()),
+            plots: Vec::new(),
+        }
+    }
+
+    /// Adds the curves of a candidate with values.
+    pub(crate) fn add(
+        &mut self,
+        study: &Study,
+        evaluator: &Evaluator,
+        point: &[f64],
+        name: &str,
+        role: Role,
+    ) {
+        let built = evaluator.built();
+        if point.len() != built.variables.len() {
+            return;
+        }
+        let mut scratch = EvaluatorScratch::default();
+        built.values(point, &mut scratch.values);
+        let values = &scratch.values.mechanical;
+        let names: Vec<&str> = evaluator.names().collect();
+        for (index, criterion) in names.iter().enumerate() {
+            if self.only.as_deref().is_some_and(|only| only != *criterion) {
+                continue;
+            }
+            let Some((input, form, band)) = evaluator.drawable(index) else {
+                continue;
+            };
+            let title = quantity(study, criterion);
+            let assembly = &built.assembly;
+            let Some((low, high)) = band.or_else(|| around_modes(assembly, values)) else {
+                continue;
+            };
+            let logarithmic = low > 0.0 && high / low > 50.0;
+            let marked =
+                band.and_then(|band| certify(assembly, values, input, form, band, 1e-6).ok());
+            let peak = marked.as_ref().map(|peak| (peak.omega / TAU, peak.value));
+            let points = curve(
+                assembly,
+                values,
+                input,
+                form,
+                (low, high),
+                logarithmic,
+                marked.map(|peak| peak.omega),
+            );
+            let series = Series {
+                name: name.to_owned(),
+                role,
+                points,
+                peak,
+            };
+            match self.plots.iter_mut().find(|(known, _)| known == criterion) {
+                Some((_, plot)) => plot.series.push(series),
+                None => self.plots.push((
+                    (*criterion).to_owned(),
+                    Plot {
+                        quantity: title,
+                        unit: response_unit(evaluator, index),
+                        logarithmic,
+                        series: vec![series],
+                    },
+                )),
+            }
+        }
+    }
+
+    /// The plots, without repetitions of the same response under another criterion.
+    pub(crate) fn finish(self) -> Vec<Plot> {
+        let mut plots: Vec<Plot> = Vec::new();
+        for (_, plot) in self.plots {
+            if !plots
+                .iter()
+                .any(|known| known.quantity == plot.quantity && known.series == plot.series)
+            {
+                plots.push(plot);
+            }
+        }
+        plots
+    }
+}
+
+/// What the criterion looks at, in words: the innermost signal's magnitude.
+fn quantity(study: &Study, criterion: &str) -> String {
+    let Some(known) = study.criteria.get(criterion) else {
+        return criterion.to_owned();
+    };
+    let mut signal = None;
+    known.value.walk(&mut |part| {
+        if let quell_expression::Node::Call {
+            function,
+            arguments,
+            ..
+        } = &part.node
+            && matches!(function.as_str(), "abs" | "h2" | "rms" | "variance")
+            && signal.is_none()
+        {
+            signal = arguments.first().map(ToString::to_string);
+        }
+    });
+    match (signal, study.runs.get(&known.run)) {
+        (Some(signal), Some(crate::study::Run::Frequency { input, .. })) => {
+            format!("|{signal} / {input}|")
+        }
+        _ => known.value.to_string(),
+    }
+}
+
+fn response_unit(evaluator: &Evaluator, criterion: usize) -> String {
+    evaluator.response_dimension(criterion).unit_text()
+}
+
+/// A decade below the slowest to a decade above the fastest mode.
+fn around_modes(assembly: &Assembly, values: &[f64]) -> Option<(f64, f64)> {
+    let modes = assembly.modes(values).ok()?;
+    let speeds = modes
+        .modes
+        .iter()
+        .map(|mode| mode.eigenvalue.norm())
+        .filter(|speed| *speed > 0.0);
+    let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+    for speed in speeds {
+        low = low.min(speed);
+        high = high.max(speed);
+    }
+    (low.is_finite() && high > 0.0).then_some((low / 3.0, high * 3.0))
+}
+
+fn curve(
+    assembly: &Assembly,
+    values: &[f64],
+    input: usize,
+    form: &LinearForm,
+    (low, high): (f64, f64),
+    logarithmic: bool,
+    peak: Option<f64>,
+) -> Vec<(f64, f64)> {
+    let low = if low > 0.0 { low } else { high * 1e-4 };
+    let mut omegas: Vec<f64> = (0..=POINTS)
+        .map(|index| {
+            let share = index as f64 / POINTS as f64;
+            if logarithmic {
+                low * (high / low).powf(share)
+            } else {
+                low + (high - low) * share
+            }
+        })
+        .collect();
+    // A curve shows its peak, however narrow.
+    if let Some(peak) = peak {
+        omegas.extend(
+            [0.99, 0.997, 1.0, 1.003, 1.01]
+                .map(|factor| factor * peak)
+                .into_iter()
+                .filter(|omega| *omega >= low && *omega <= high),
+        );
+        omegas.sort_by(f64::total_cmp);
+    }
+    omegas
+        .into_iter()
+        .filter_map(|omega| {
+            let response = assembly.direct_response(values, input, form, omega).ok()?;
+            Some((omega / TAU, response.norm())).filter(|(_, value)| value.is_finite())
+        })
+        .collect()
+}

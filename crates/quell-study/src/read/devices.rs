@@ -1,0 +1,329 @@
+//! Declared elements, components and devices.
+
+use std::sync::Arc;
+
+use indexmap::IndexMap;
+use quell_document::{Fault, Source, Value};
+use quell_expression::Span;
+use quell_model::LinearHost;
+use quell_model::linear::CoordinateKind;
+use quell_network::{Domain, Element, Kind, KindError, Kinds, Layout, LayoutError};
+use quell_search::Scale;
+
+use super::{amounts_of, check_name, counted, resolve, unknown};
+use crate::amount::Amount;
+use crate::keys;
+use crate::study::{Bounds, Component, Declared, Device};
+
+/// A component before its layout is parsed: the text and its place in the file.
+pub(super) struct RawComponent<'a> {
+    domain: Domain,
+    layout: Value<'a>,
+    values: IndexMap<String, Amount>,
+    value_spans: IndexMap<String, Span>,
+    variables: IndexMap<String, Bounds>,
+}
+
+pub(super) fn domain(value: &Value<'_>) -> Result<Domain, Fault> {
+    Ok(
+        match value.one_of(&["translational", "rotational", "electrical", "hydraulic"])? {
+            "rotational" => Domain::Rotational,
+            "electrical" => Domain::Electrical,
+            "hydraulic" => Domain::Hydraulic,
+            _ => Domain::Translational,
+        },
+    )
+}
+
+pub(super) fn components<'a>(
+    value: Option<Value<'a>>,
+    source: &Arc<Source>,
+) -> Result<IndexMap<String, RawComponent<'a>>, Fault> {
+    let mut components = IndexMap::new();
+    let Some(value) = value else {
+        return Ok(components);
+    };
+    let table = value.as_table()?;
+    for (name, span, value) in table.entries() {
+        check_name(name, span, &table)?;
+        let entry = value.as_table()?;
+        entry.check(&keys::COMPONENT)?;
+        let domain = entry
+            .get("domain")
+            .map_or(Ok(Domain::Translational), |value| domain(&value))?;
+        let values_table = entry.require("values")?.as_table()?;
+        let mut variables = IndexMap::new();
+        if let Some(value) = entry.get("variables") {
+            let table = value.as_table()?;
+            for (variable, span, value) in table.entries() {
+                check_name(variable, span, &table)?;
+                variables.insert(variable.to_owned(), bounds(&value, source)?);
+            }
+        }
+        components.insert(
+            name.to_owned(),
+            RawComponent {
+                domain,
+                layout: entry.require("layout")?,
+                value_spans: values_table
+                    .entries()
+                    .map(|(name, span, _)| (name.to_owned(), span))
+                    .collect(),
+                values: amounts_of(entry.get("values"), source)?,
+                variables,
+            },
+        );
+    }
+    Ok(components)
+}
+
+/// The kinds of branch that layouts may name, in each domain.
+pub(super) fn declared(
+    elements: Option<Value<'_>>,
+    components: &IndexMap<String, RawComponent<'_>>,
+    components_value: Option<Value<'_>>,
+) -> Result<Declared, Fault> {
+    let mut tables: Vec<(Domain, Kinds)> = Domain::ALL
+        .into_iter()
+        .map(|domain| (domain, Kinds::new(domain)))
+        .collect();
+    let mut declare = |wanted: Domain, act: &dyn Fn(&mut Kinds) -> Result<(), KindError>| {
+        tables
+            .iter_mut()
+            .filter(|(domain, _)| *domain == wanted)
+            .try_for_each(|(_, kinds)| act(kinds))
+    };
+    if let Some(value) = elements {
+        let table = value.as_table()?;
+        for (name, span, value) in table.entries() {
+            check_name(name, span, &table)?;
+            let entry = value.as_table()?;
+            entry.check(&keys::ELEMENT)?;
+            let element = match entry
+                .require("kind")?
+                .one_of(&["spring", "damper", "inerter", "mass"])?
+            {
+                "spring" => Element::Spring,
+                "damper" => Element::Damper,
+                "inerter" => Element::Inerter,
+                _ => Element::Mass,
+            };
+            let wanted = entry
+                .get("domain")
+                .map_or(Ok(Domain::Translational), |value| domain(&value))?;
+            declare(wanted, &|kinds| kinds.declare_element(name, element))
+                .map_err(|error| Fault::at(table.source(), span, error.to_string()))?;
+        }
+    }
+    if let Some(value) = components_value {
+        let table = value.as_table()?;
+        for (name, span, _) in table.entries() {
+            let Some(component) = components.get(name) else {
+                continue;
+            };
+            declare(component.domain, &|kinds| kinds.declare_component(name))
+                .map_err(|error| Fault::at(table.source(), span, error.to_string()))?;
+        }
+    }
+    Ok(Declared { tables })
+}
+
+/// Parses a layout that stands in a text value; faults point into the text.
+pub(super) fn layout(value: &Value<'_>, kinds: &Kinds) -> Result<Layout, Fault> {
+    Layout::parse(value.as_str()?, kinds).map_err(|error| layout_fault(value, error))
+}
+
+fn layout_fault(value: &Value<'_>, error: LayoutError) -> Fault {
+    let fault = Fault::at(value.source(), value.text_span(error.span), error.message);
+    match error.help {
+        Some(help) => fault.help(help),
+        None => fault,
+    }
+}
+
+pub(super) fn component_layouts(
+    raw: IndexMap<String, RawComponent<'_>>,
+    kinds: &Declared,
+) -> Result<IndexMap<String, Component>, Fault> {
+    raw.into_iter()
+        .map(|(name, raw)| {
+            let table = kinds.of(raw.domain).cloned().unwrap_or_else(|| Kinds::new(raw.domain));
+            let layout = layout(&raw.layout, &table)?;
+            for branch in layout.branches() {
+                if !matches!(branch.kind, Kind::Element(_)) {
+                    return Err(raw.layout.fault(format!(
+                        "the component `{name}` holds `{}`, which is no element; components cannot be nested",
+                        branch.name
+                    )));
+                }
+                if !raw.values.contains_key(&branch.name) {
+                    return Err(raw
+                        .layout
+                        .fault(format!("the element `{}` of `{name}` has no value", branch.name))
+                        .help(format!("write it under `values`: `{} = …`", branch.name)));
+                }
+            }
+            for (element, span) in &raw.value_spans {
+                if layout.branch(element).is_none() {
+                    return Err(unknown(
+                        Fault::at(
+                            raw.layout.source(),
+                            *span,
+                            format!("`{element}` is not in the layout `{layout}`"),
+                        ),
+                        element,
+                        "element",
+                        layout.branches().map(|branch| branch.name.as_str()).collect::<Vec<_>>().into_iter(),
+                    ));
+                }
+            }
+            let component = Component {
+                domain: raw.domain,
+                layout,
+                values: raw.values,
+                variables: raw.variables,
+            };
+            Ok((name, component))
+        })
+        .collect()
+}
+
+/// `[lower, upper]`, or a table with `bounds` and `scale`.
+pub(super) fn bounds(value: &Value<'_>, source: &Arc<Source>) -> Result<Bounds, Fault> {
+    let (list, scale) = if value.is_table() {
+        let table = value.as_table()?;
+        table.check(&keys::BOUNDS_TABLE)?;
+        let scale = table
+            .get("scale")
+            .map(|value| value.one_of(&["linear", "log"]))
+            .transpose()?
+            .map(|scale| {
+                if scale == "log" {
+                    Scale::Logarithmic
+                } else {
+                    Scale::Linear
+                }
+            });
+        (table.require("bounds")?, scale)
+    } else {
+        (value.clone(), None)
+    };
+    match list.as_array()?.as_slice() {
+        [lower, upper] => Ok(Bounds {
+            lower: Amount::read(lower, source)?,
+            upper: Amount::read(upper, source)?,
+            scale,
+            span: list.span(),
+        }),
+        other => Err(list
+            .fault(format!(
+                "bounds are a lower and an upper value, found {}",
+                counted(other.len(), "value")
+            ))
+            .help("write `[lower, upper]`")),
+    }
+}
+
+pub(super) fn devices(
+    value: &Value<'_>,
+    kinds: &Declared,
+    host: &LinearHost,
+    source: &Arc<Source>,
+) -> Result<IndexMap<String, Device>, Fault> {
+    let table = value.as_table()?;
+    let mut devices = IndexMap::new();
+    for (name, span, value) in table.entries() {
+        check_name(name, span, &table)?;
+        let entry = value.as_table()?;
+        entry.check(&keys::DEVICE)?;
+        let port_value = entry.require("port")?;
+        let index = resolve(
+            &port_value,
+            "port",
+            host.ports.iter().map(|port| port.name.as_str()),
+        )?;
+        let port = host
+            .ports
+            .get(index)
+            .ok_or_else(|| port_value.fault("there is no such port"))?;
+        let own = match port.kind {
+            CoordinateKind::Translation => Domain::Translational,
+            CoordinateKind::Rotation => Domain::Rotational,
+        };
+        let domain = entry.get("domain").map_or(Ok(own), |value| {
+            let stated = domain(&value)?;
+            let mechanical = matches!(stated, Domain::Translational | Domain::Rotational);
+            if mechanical && stated != own {
+                return Err(value.fault(format!(
+                    "the port `{}` is {own}, the device {stated}",
+                    port.name
+                )));
+            }
+            Ok(stated)
+        })?;
+        let piston = entry
+            .get("piston")
+            .map(|value| Amount::read(&value, source))
+            .transpose()?;
+        match (&piston, domain) {
+            (None, Domain::Hydraulic) => {
+                return Err(Fault::at(
+                    source,
+                    span,
+                    format!(
+                        "the hydraulic device `{name}` acts through a piston, whose area is missing"
+                    ),
+                )
+                .help("add `piston = \"2.5e-3 m^2\"`"));
+            }
+            (Some(piston), other) if other != Domain::Hydraulic => {
+                return Err(piston.fault(format!(
+                    "a piston belongs to a hydraulic device, and `{name}` is {other}"
+                )));
+            }
+            _ => {}
+        }
+        let slots: Vec<String> = match entry.get("slots") {
+            Some(value) => value
+                .as_array()?
+                .iter()
+                .map(|slot| slot.as_str().map(str::to_owned))
+                .collect::<Result<_, _>>()?,
+            None => vec!["network".to_owned()],
+        };
+        let mut with_slots = kinds
+            .of(domain)
+            .cloned()
+            .unwrap_or_else(|| Kinds::new(domain));
+        let (fixed, slots) = match entry.get("layout") {
+            Some(value) => {
+                for slot in &slots {
+                    with_slots
+                        .declare_placeholder(slot)
+                        .map_err(|error| value.fault(error.to_string()))?;
+                }
+                let layout = layout(&value, &with_slots)?;
+                let slots: Vec<String> = slots
+                    .into_iter()
+                    .filter(|slot| layout.branch(slot).is_some())
+                    .collect();
+                (Some(layout), slots)
+            }
+            None => (None, Vec::new()),
+        };
+        devices.insert(
+            name.to_owned(),
+            Device {
+                port: port.name.clone(),
+                port_span: port_value.span(),
+                domain,
+                piston,
+                layout: fixed,
+                slots,
+                values: amounts_of(entry.get("values"), source)?,
+                span,
+            },
+        );
+    }
+    Ok(devices)
+}

@@ -1,0 +1,380 @@
+//! From a study file to a [`Study`]: keys checked, names resolved, layouts parsed; every fault at its place.
+
+mod devices;
+mod tasks;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use indexmap::IndexMap;
+use quell_document::{Document, Fault, Source, Table, Value};
+use quell_expression::{Function, Span, Unit, nearest};
+use quell_model::{HostFile, LinearHost};
+
+use crate::amount::Amount;
+use crate::criteria::Modal;
+use crate::keys;
+use crate::study::{Criterion, ReportWishes, Run, Study};
+
+/// The version of study files that this Quell writes and reads.
+pub const FILE_VERSION: i64 = 1;
+
+impl Study {
+    /// Reads a study file and the files that it names.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the file, at its place and with a remedy.
+    pub fn read(path: &Path) -> Result<Self, Fault> {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            Fault::new(format!(
+                "the study `{}` cannot be read: {error}",
+                path.display()
+            ))
+            .help("give the path of a study file, such as `studies/engine-mount-linear.toml`")
+        })?;
+        let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        Self::parse(Source::new(path.display().to_string(), text), &folder)
+    }
+
+    /// Reads the text of a study; paths in it are relative to `folder`.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse(source: Source, folder: &Path) -> Result<Self, Fault> {
+        let source = Arc::new(source);
+        let document = Document::parse(Arc::clone(&source))?;
+        let root = document.root();
+        check_version(&root)?;
+        root.check(&keys::STUDY)?;
+
+        let host = read_host(&root.require("host")?, folder)?;
+        let overrides = amounts_of(root.get("parameters"), &source)?;
+        // The host as it stands tells the names of ports, inputs and outputs.
+        let standing = crate::situation::build(&host, &overrides, &[])?;
+
+        let components = devices::components(root.get("components"), &source)?;
+        let kinds = devices::declared(root.get("elements"), &components, root.get("components"))?;
+        let components = devices::component_layouts(components, &kinds)?;
+        let devices = devices::devices(&root.require("devices")?, &kinds, &standing.host, &source)?;
+        let runs = runs(&root.require("runs")?, &standing.host, &source)?;
+        let criteria = criteria(&root.require("criteria")?, &runs)?;
+        let mut study = Self {
+            title: root.require("title")?.as_str()?.to_owned(),
+            hash: hash(&source.text, &host)?,
+            source,
+            folder: folder.to_path_buf(),
+            host,
+            overrides,
+            kinds,
+            components,
+            devices,
+            runs,
+            criteria,
+            tasks: Vec::new(),
+            report: report(root.get("report"))?,
+        };
+        study.tasks = tasks::tasks(&root.require("tasks")?, &study)?;
+        Ok(study)
+    }
+}
+
+fn check_version(root: &Table<'_>) -> Result<(), Fault> {
+    let Some(value) = root.get("quell") else {
+        return Err(root
+            .fault("the file does not say which version of the format it is written in")
+            .help(format!("begin the file with `quell = {FILE_VERSION}`")));
+    };
+    let version = value.as_integer()?;
+    if version == FILE_VERSION {
+        return Ok(());
+    }
+    let help = if version > FILE_VERSION {
+        "a newer Quell wrote it: update Quell".to_owned()
+    } else {
+        format!("write `quell = {FILE_VERSION}`")
+    };
+    Err(value
+        .fault(format!(
+            "this Quell reads version {FILE_VERSION} of study files, not {version}"
+        ))
+        .help(help))
+}
+
+fn read_host(value: &Value<'_>, folder: &Path) -> Result<HostFile, Fault> {
+    let path = folder.join(value.as_str()?);
+    if !path.is_file() {
+        return Err(value
+            .fault(format!("the host file `{}` does not exist", path.display()))
+            .help("the path is relative to the study file"));
+    }
+    HostFile::read(&path)
+}
+
+/// BLAKE3 of everything that determines the results: Quell's version, study, host, matrices.
+fn hash(text: &str, host: &HostFile) -> Result<String, Fault> {
+    let mut hasher = blake3::Hasher::new();
+    let mut add = |bytes: &[u8]| {
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(bytes);
+    };
+    add(env!("CARGO_PKG_VERSION").as_bytes());
+    add(text.as_bytes());
+    add(host.source().text.as_bytes());
+    for path in host.matrix_files() {
+        let bytes = std::fs::read(&path).map_err(|error| {
+            Fault::new(format!(
+                "the file `{}` cannot be read: {error}",
+                path.display()
+            ))
+        })?;
+        add(&bytes);
+    }
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+/// A table of amounts, by name.
+fn amounts_of(
+    value: Option<Value<'_>>,
+    source: &Arc<Source>,
+) -> Result<IndexMap<String, Amount>, Fault> {
+    let Some(value) = value else {
+        return Ok(IndexMap::new());
+    };
+    value
+        .as_table()?
+        .entries()
+        .map(|(name, _, value)| Ok((name.to_owned(), Amount::read(&value, source)?)))
+        .collect()
+}
+
+/// The index of a name among others, or a fault at it with the nearest.
+fn resolve<'a>(
+    value: &Value<'_>,
+    what: &str,
+    names: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, Fault> {
+    let name = value.as_str()?;
+    names
+        .clone()
+        .position(|known| known == name)
+        .ok_or_else(|| {
+            unknown(
+                value.fault(format!("there is no {what} `{name}`")),
+                name,
+                what,
+                names,
+            )
+        })
+}
+
+/// Adds the nearest valid name, or all of them.
+fn unknown<'a>(
+    fault: Fault,
+    name: &str,
+    what: &str,
+    names: impl Iterator<Item = &'a str> + Clone,
+) -> Fault {
+    if let Some(near) = nearest(name, names.clone()) {
+        return fault.help(format!("did you mean `{near}`?"));
+    }
+    let all: Vec<String> = names.take(12).map(|name| format!("`{name}`")).collect();
+    if all.is_empty() {
+        fault.help(format!("no {what} is defined"))
+    } else {
+        fault.help(format!("there is {}", all.join(", ")))
+    }
+}
+
+/// Names of the user's that expressions may use must not be taken by functions or constants.
+fn check_name(name: &str, span: Span, table: &Table<'_>) -> Result<(), Fault> {
+    let mut characters = name.chars();
+    let sound = characters
+        .next()
+        .is_some_and(|first| first.is_alphabetic() || first == '_')
+        && characters.all(|other| other.is_alphanumeric() || other == '_');
+    if !sound {
+        return Err(Fault::at(
+            table.source(),
+            span,
+            format!("`{name}` cannot be used as a name"),
+        )
+        .help("a name begins with a letter and goes on with letters, digits and `_`"));
+    }
+    if Function::from_name(name).is_some() || name == "pi" {
+        return Err(Fault::at(
+            table.source(),
+            span,
+            format!("`{name}` is the name of a function or constant"),
+        )
+        .help("choose another name"));
+    }
+    Ok(())
+}
+
+fn runs(
+    value: &Value<'_>,
+    host: &LinearHost,
+    source: &Arc<Source>,
+) -> Result<IndexMap<String, Run>, Fault> {
+    let table = value.as_table()?;
+    let mut runs = IndexMap::new();
+    for (name, span, value) in table.entries() {
+        check_name(name, span, &table)?;
+        let entry = value.as_table()?;
+        entry.check(&keys::RUN)?;
+        let kind = entry.require("kind")?.one_of(&["frequency", "modes"])?;
+        let strangers: &[&str] = if kind == "modes" {
+            &["input", "band", "spectrum"]
+        } else {
+            &["modes"]
+        };
+        for key in strangers {
+            if let Some(stranger) = entry.key_span(key) {
+                return Err(Fault::at(
+                    source,
+                    stranger,
+                    format!("`{key}` is no key of a `{kind}` run"),
+                ));
+            }
+        }
+        let run = if kind == "modes" {
+            let which = entry
+                .get("modes")
+                .map(|value| value.one_of(&["all", "oscillatory"]))
+                .transpose()?;
+            if host.loss.is_some() {
+                return Err(Fault::at(source, span, "modes cannot be taken of a host with loss factors")
+                    .help("a loss factor is defined for harmonic motion only; give damping as `modal` or `rayleigh`, or use a `frequency` run"));
+            }
+            Run::Modes {
+                oscillatory: which == Some("oscillatory"),
+            }
+        } else {
+            let input = entry.require("input")?;
+            let index = resolve(
+                &input,
+                "input",
+                host.inputs.iter().map(|input| input.name.as_str()),
+            )?;
+            let band = entry
+                .get("band")
+                .map(|band| read_band(&band, source))
+                .transpose()?;
+            Run::Frequency {
+                input: host
+                    .inputs
+                    .get(index)
+                    .map_or_else(String::new, |input| input.name.clone()),
+                input_span: input.span(),
+                band,
+                spectrum: entry
+                    .get("spectrum")
+                    .map(|value| Amount::read(&value, source))
+                    .transpose()?,
+                span,
+            }
+        };
+        runs.insert(name.to_owned(), run);
+    }
+    Ok(runs)
+}
+
+fn read_band(value: &Value<'_>, source: &Arc<Source>) -> Result<(Amount, Amount), Fault> {
+    match value.as_array()?.as_slice() {
+        [lower, upper] => Ok((Amount::read(lower, source)?, Amount::read(upper, source)?)),
+        other => Err(value
+            .fault(format!(
+                "a band has a lower and an upper frequency, found {}",
+                counted(other.len(), "value")
+            ))
+            .help("write `band = [\"0 Hz\", \"30 Hz\"]`")),
+    }
+}
+
+/// `1 value`, `3 values`.
+fn counted(number: usize, what: &str) -> String {
+    if number == 1 {
+        format!("1 {what}")
+    } else {
+        format!("{number} {what}s")
+    }
+}
+
+fn criteria(
+    value: &Value<'_>,
+    runs: &IndexMap<String, Run>,
+) -> Result<IndexMap<String, Criterion>, Fault> {
+    let table = value.as_table()?;
+    let mut criteria = IndexMap::new();
+    for (name, span, value) in table.entries() {
+        check_name(name, span, &table)?;
+        if Modal::NAMES.contains(&name) {
+            return Err(Fault::at(
+                table.source(),
+                span,
+                format!("`{name}` is what every mode has; choose another name"),
+            ));
+        }
+        let entry = value.as_table()?;
+        entry.check(&keys::CRITERION)?;
+        let run = entry.require("run")?;
+        resolve(&run, "run", runs.keys().map(String::as_str))?;
+        let expression = entry.require("value")?;
+        let unit = entry
+            .get("unit")
+            .map(|value| {
+                let text = value.as_str()?;
+                Unit::parse(text)
+                    .map(|unit| (unit, value.span()))
+                    .map_err(|mut error| {
+                        error.span = value.text_span(error.span);
+                        Fault::from_expression(value.source(), error)
+                    })
+            })
+            .transpose()?;
+        let tolerance = match entry.get("tolerance") {
+            Some(value) => {
+                let tolerance = value.as_f64()?;
+                if !(1e-10..=0.1).contains(&tolerance) {
+                    return Err(value
+                        .fault(format!("the tolerance {tolerance} is out of reach"))
+                        .help(
+                            "a relative tolerance lies between 1e-10 and 0.1; 1e-4 unless given",
+                        ));
+                }
+                tolerance
+            }
+            None => 1e-4,
+        };
+        criteria.insert(
+            name.to_owned(),
+            Criterion {
+                run: run.as_str()?.to_owned(),
+                value: expression.expression()?,
+                unit,
+                tolerance,
+                span: expression.span(),
+            },
+        );
+    }
+    Ok(criteria)
+}
+
+fn report(value: Option<Value<'_>>) -> Result<ReportWishes, Fault> {
+    let mut wishes = ReportWishes {
+        shortlist: 5,
+        note: None,
+    };
+    if let Some(value) = value {
+        let table = value.as_table()?;
+        table.check(&keys::REPORT)?;
+        if let Some(value) = table.get("shortlist") {
+            wishes.shortlist = value.as_count()?.max(1);
+        }
+        wishes.note = table
+            .get("note")
+            .map(|value| value.as_str().map(str::to_owned))
+            .transpose()?;
+    }
+    Ok(wishes)
+}

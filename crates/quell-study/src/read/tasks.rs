@@ -1,0 +1,635 @@
+//! Tasks: configurations to evaluate, designs to find, sweeps over both.
+
+use std::sync::Arc;
+
+use indexmap::IndexMap;
+use quell_document::{Fault, Source, Table, Value};
+use quell_expression::{ComparisonOperator, Expression, Node, Span};
+use quell_network::{Budget, Domain, Enumeration, Equivalence, Kinds, Layout};
+use quell_search::Scale;
+
+use super::{amounts_of, counted, devices, resolve, unknown};
+use crate::amount::Amount;
+use crate::built::domain_of;
+use crate::keys;
+use crate::study::{
+    CandidateSet, ConfigurationSpec, Constraint, DesignTask, Sense, Slot, Study, SweepAxis,
+    SweepValues, Task, TaskKind,
+};
+
+/// A search gives up on nothing, but a list of more layouts than this would not end within a working day.
+const MOST_LAYOUTS: u128 = 1_000_000;
+
+pub(super) fn tasks(value: &Value<'_>, study: &Study) -> Result<Vec<Task>, Fault> {
+    let list = value.as_array()?;
+    if list.is_empty() {
+        return Err(value
+            .fault("the study asks for nothing")
+            .help("add a `[[tasks]]`"));
+    }
+    let mut tasks: Vec<Task> = Vec::new();
+    let mut configurations: Vec<String> = Vec::new();
+    for value in &list {
+        let table = value.as_table()?;
+        table.check(&keys::TASK)?;
+        let name_value = table.require("name")?;
+        let name = name_value.as_str()?.to_owned();
+        if name.trim().is_empty() {
+            return Err(name_value.fault("a task needs a name"));
+        }
+        if tasks.iter().any(|task| task.name == name) {
+            return Err(name_value
+                .fault(format!("there are two tasks `{name}`"))
+                .help("give each its own name"));
+        }
+        let kind = table.require("kind")?.one_of(&["evaluate", "design"])?;
+        refuse_strangers(&table, kind)?;
+        let kind = if kind == "evaluate" {
+            let found = evaluate(&table, study)?;
+            for (name, spec) in &found {
+                if configurations.contains(name) {
+                    return Err(Fault::at(&study.source, spec.span, format!("there are two configurations `{name}`"))
+                        .help("names of configurations are unique within a study, since tasks refer to them"));
+                }
+                configurations.push(name.clone());
+            }
+            TaskKind::Evaluate(found)
+        } else {
+            TaskKind::Design(Box::new(design(&table, study)?))
+        };
+        tasks.push(Task {
+            name,
+            kind,
+            sweep: sweep(&table, study)?,
+            span: name_value.span(),
+        });
+    }
+    Ok(tasks)
+}
+
+/// Keys of the other kind of task.
+fn refuse_strangers(table: &Table<'_>, kind: &str) -> Result<(), Fault> {
+    let strangers: &[&str] = if kind == "evaluate" {
+        &[
+            "minimise",
+            "maximise",
+            "subject_to",
+            "references",
+            "candidates",
+            "fixed",
+            "bounds",
+            "starts",
+            "feasibility",
+        ]
+    } else {
+        &["configurations"]
+    };
+    for key in strangers {
+        if let Some(span) = table.key_span(key) {
+            return Err(Fault::at(
+                table.source(),
+                span,
+                format!("`{key}` is no key of a task of kind `{kind}`"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The kinds with which layouts of a slot's domain are read.
+fn kinds_of(study: &Study, domain: Domain) -> Kinds {
+    study
+        .kinds
+        .of(domain)
+        .cloned()
+        .unwrap_or_else(|| Kinds::new(domain))
+}
+
+/// Every slot of the study.
+fn slots(study: &Study) -> Vec<Slot> {
+    let mut slots = Vec::new();
+    for (name, device) in &study.devices {
+        if device.layout.is_none() {
+            slots.push(Slot {
+                device: name.clone(),
+                placeholder: None,
+            });
+        }
+        for placeholder in &device.slots {
+            slots.push(Slot {
+                device: name.clone(),
+                placeholder: Some(placeholder.clone()),
+            });
+        }
+    }
+    slots
+}
+
+impl Slot {
+    /// As a study file may write it: the device, the placeholder where only one device has it, or `device.placeholder`.
+    fn answers_to(&self, name: &str) -> bool {
+        match &self.placeholder {
+            None => self.device == name,
+            Some(placeholder) => {
+                placeholder == name || format!("{}.{placeholder}", self.device) == name
+            }
+        }
+    }
+}
+
+/// The slot of a name; none where no slot answers to it.
+fn slot_of(study: &Study, name: &str, span: Span) -> Result<Option<Slot>, Fault> {
+    let mut answering: Vec<Slot> = slots(study)
+        .into_iter()
+        .filter(|slot| slot.answers_to(name))
+        .collect();
+    if answering.len() > 1 {
+        let full: Vec<String> = answering
+            .iter()
+            .map(|slot| {
+                format!(
+                    "`{}.{}`",
+                    slot.device,
+                    slot.placeholder.as_deref().unwrap_or_default()
+                )
+            })
+            .collect();
+        return Err(Fault::at(
+            &study.source,
+            span,
+            format!("several devices have a slot `{name}`"),
+        )
+        .help(format!("write {}", full.join(" or "))));
+    }
+    Ok(answering.pop())
+}
+
+fn evaluate(
+    table: &Table<'_>,
+    study: &Study,
+) -> Result<IndexMap<String, ConfigurationSpec>, Fault> {
+    let value = table.require("configurations")?;
+    let mut found = IndexMap::new();
+    for (name, span, value) in value.as_table()?.entries() {
+        let entry = value.as_table()?;
+        let mut layouts = IndexMap::new();
+        let mut values = IndexMap::new();
+        for (key, key_span, value) in entry.entries() {
+            match slot_of(study, key, key_span)? {
+                Some(slot) => {
+                    let layout =
+                        devices::layout(&value, &kinds_of(study, domain_of(study, &slot)))?;
+                    layouts.insert(slot, (layout, value.span()));
+                }
+                None => {
+                    values.insert(key.to_owned(), Amount::read(&value, &study.source)?);
+                }
+            }
+        }
+        found.insert(
+            name.to_owned(),
+            ConfigurationSpec {
+                layouts,
+                values,
+                span,
+            },
+        );
+    }
+    if found.is_empty() {
+        return Err(value.fault("there is no configuration to evaluate"));
+    }
+    Ok(found)
+}
+
+fn design(table: &Table<'_>, study: &Study) -> Result<DesignTask, Fault> {
+    let source = &study.source;
+    let (objective, sense) = match (table.get("minimise"), table.get("maximise")) {
+        (Some(value), None) => (value, Sense::Minimise),
+        (None, Some(value)) => (value, Sense::Maximise),
+        (Some(_), Some(second)) => {
+            return Err(second
+                .fault("a task has one objective")
+                .help("turn the other into a constraint under `subject_to`"));
+        }
+        (None, None) => {
+            return Err(table
+                .fault("the task does not say what to design for")
+                .help("add `minimise = \"CRITERION\"` or `maximise = \"CRITERION\"`"));
+        }
+    };
+    resolve(
+        &objective,
+        "criterion",
+        study.criteria.keys().map(String::as_str),
+    )?;
+    let constraints = match table.get("subject_to") {
+        Some(value) => value
+            .as_array()?
+            .iter()
+            .map(|value| constraint(value, study))
+            .collect::<Result<_, _>>()?,
+        None => Vec::new(),
+    };
+    let references = match table.get("references") {
+        Some(value) => value
+            .as_array()?
+            .iter()
+            .map(|value| Ok((value.as_str()?.to_owned(), value.span())))
+            .collect::<Result<_, Fault>>()?,
+        None => Vec::new(),
+    };
+    let starts = match table.get("starts") {
+        Some(value) => {
+            let starts = value.as_count()?;
+            if starts == 0 || starts > 10_000 {
+                return Err(value.fault("the number of starts lies between 1 and 10000"));
+            }
+            Some(starts)
+        }
+        None => None,
+    };
+    let feasibility = match table.get("feasibility") {
+        Some(value) => {
+            let tolerance = value.as_f64()?;
+            if !(0.0..1.0).contains(&tolerance) {
+                return Err(
+                    value.fault("the feasibility tolerance is relative and lies between 0 and 1")
+                );
+            }
+            tolerance
+        }
+        None => 1e-6,
+    };
+    let bounds = match table.get("bounds") {
+        Some(value) => value
+            .as_table()?
+            .entries()
+            .map(|(name, _, value)| Ok((name.to_owned(), devices::bounds(&value, source)?)))
+            .collect::<Result<_, Fault>>()?,
+        None => IndexMap::new(),
+    };
+    Ok(DesignTask {
+        objective: objective.as_str()?.to_owned(),
+        sense,
+        constraints,
+        references,
+        candidates: candidates(table, study)?,
+        fixed: amounts_of(table.get("fixed"), source)?,
+        bounds,
+        starts,
+        feasibility,
+        place: objective.span(),
+    })
+}
+
+fn constraint(value: &Value<'_>, study: &Study) -> Result<Constraint, Fault> {
+    let expression = value.expression()?;
+    let Node::Comparison {
+        operator,
+        left,
+        right,
+    } = &expression.node
+    else {
+        return Err(value
+            .fault(format!("`{expression}` is no constraint"))
+            .help("write `CRITERION <= VALUE` or `CRITERION >= VALUE`"));
+    };
+    let sense = match operator {
+        ComparisonOperator::Less | ComparisonOperator::LessOrEqual => Sense::Minimise,
+        ComparisonOperator::Greater | ComparisonOperator::GreaterOrEqual => Sense::Maximise,
+        ComparisonOperator::Equal | ComparisonOperator::NotEqual => {
+            return Err(value
+                .fault("a constraint is an inequality")
+                .help("write `CRITERION <= VALUE` or `CRITERION >= VALUE`"));
+        }
+    };
+    let criterion = |side: &Expression| match &side.node {
+        Node::Name(name) if study.criteria.contains_key(name) => Some(name.clone()),
+        _ => None,
+    };
+    let flipped = match sense {
+        Sense::Minimise => Sense::Maximise,
+        Sense::Maximise => Sense::Minimise,
+    };
+    let (criterion, sense, bound) = match (criterion(left), criterion(right)) {
+        (Some(name), _) => (name, sense, right.as_ref()),
+        (None, Some(name)) => (name, flipped, left.as_ref()),
+        (None, None) => {
+            let name = left.to_string();
+            let fault = Fault::at(
+                &study.source,
+                left.span,
+                format!("there is no criterion `{name}`"),
+            );
+            return Err(unknown(
+                fault,
+                &name,
+                "criterion",
+                study.criteria.keys().map(String::as_str),
+            ));
+        }
+    };
+    Ok(Constraint {
+        criterion,
+        sense,
+        bound: Amount::from_expression(bound.clone(), &study.source),
+    })
+}
+
+fn candidates(table: &Table<'_>, study: &Study) -> Result<IndexMap<Slot, CandidateSet>, Fault> {
+    let value = table.get("candidates").ok_or_else(|| {
+        table
+            .fault("the task does not say which layouts to try")
+            .help("add `candidates.DEVICE = [\"k1 | c1\", …]` or a budget `{ springs = 1, dampers = 1, inerters = 1 }`")
+    })?;
+    let mut found = IndexMap::new();
+    for (name, span, value) in value.as_table()?.entries() {
+        let slot = slot_of(study, name, span)?.ok_or_else(|| {
+            let names: Vec<String> = slots(study)
+                .into_iter()
+                .map(|slot| slot.placeholder.unwrap_or(slot.device))
+                .collect();
+            let fault = Fault::at(
+                &study.source,
+                span,
+                format!("there is no device or slot `{name}` to design"),
+            );
+            unknown(fault, name, "device", names.iter().map(String::as_str))
+        })?;
+        let kinds = kinds_of(study, domain_of(study, &slot));
+        let set = if value.is_table() {
+            budget(&value, &kinds, study, &slot)?
+        } else {
+            let layouts = value
+                .as_array()?
+                .iter()
+                .map(|value| Ok((devices::layout(value, &kinds)?, value.span())))
+                .collect::<Result<Vec<(Layout, Span)>, Fault>>()?;
+            if layouts.is_empty() {
+                return Err(value.fault("there is no layout to try"));
+            }
+            CandidateSet::Layouts(layouts)
+        };
+        found.insert(slot, set);
+    }
+    if found.is_empty() {
+        return Err(value.fault("there is no layout to try"));
+    }
+    Ok(found)
+}
+
+fn budget(
+    value: &Value<'_>,
+    kinds: &Kinds,
+    study: &Study,
+    slot: &Slot,
+) -> Result<CandidateSet, Fault> {
+    let table = value.as_table()?;
+    table.check(&keys::BUDGET)?;
+    let equivalence = match table
+        .get("reducible")
+        .map(|value| value.as_bool())
+        .transpose()?
+    {
+        Some(true) => Equivalence::Commutative,
+        _ => Equivalence::Irreducible,
+    };
+    let by_element = ["springs", "dampers", "inerters", "masses"];
+    let (budgets, branches) = match table.get("components") {
+        Some(components) => {
+            if let Some(span) = by_element.iter().find_map(|key| table.key_span(key)) {
+                return Err(Fault::at(
+                    table.source(),
+                    span,
+                    "a budget counts elements or components, not both",
+                ));
+            }
+            component_budget(&table, &components, kinds, study)?
+        }
+        None => (element_budget(&table, kinds, &by_element)?, vec![None]),
+    };
+    // Names that the device's own layout has taken are left to it.
+    let taken: Vec<String> = study
+        .devices
+        .get(&slot.device)
+        .and_then(|device| device.layout.as_ref())
+        .map(|layout| {
+            layout
+                .branches()
+                .map(|branch| branch.name.clone())
+                .collect()
+        })
+        .unwrap_or_default();
+    let mut enumerations = Vec::new();
+    let mut total: u128 = 0;
+    for number in branches {
+        let enumeration = Enumeration::new(kinds, &budgets, number, equivalence)
+            .map_err(|error| value.fault(error.to_string()))?
+            .avoiding(taken.iter().map(String::as_str));
+        total = total.saturating_add(enumeration.count());
+        enumerations.push(enumeration);
+    }
+    if total == 0 {
+        return Err(value.fault("no layout meets this budget"));
+    }
+    if total > MOST_LAYOUTS {
+        return Err(value
+            .fault(format!(
+                "this budget has {total} layouts, more than can be searched"
+            ))
+            .help("lower the numbers, or list the layouts of interest"));
+    }
+    Ok(CandidateSet::Budget {
+        enumerations,
+        span: value.span(),
+    })
+}
+
+fn element_budget(
+    table: &Table<'_>,
+    kinds: &Kinds,
+    keys: &[&str; 4],
+) -> Result<Vec<Budget>, Fault> {
+    use quell_network::Element::{Damper, Inerter, Mass, Spring};
+    for key in ["branches", "at_least", "at_most"] {
+        if let Some(span) = table.key_span(key) {
+            return Err(Fault::at(
+                table.source(),
+                span,
+                format!("`{key}` belongs to a budget of `components`"),
+            ));
+        }
+    }
+    let domain = kinds.domain();
+    let mut budgets = Vec::new();
+    for (key, element) in keys.iter().zip([Spring, Damper, Inerter, Mass]) {
+        let Some(value) = table.get(key) else {
+            continue;
+        };
+        let number = value.as_count()?;
+        if number == 0 {
+            continue;
+        }
+        let letter = domain
+            .letter(element)
+            .ok_or_else(|| value.fault(format!("a {domain} layout has no {element}")))?;
+        budgets.push(Budget::exactly(&letter.to_string(), number));
+    }
+    if budgets.is_empty() {
+        return Err(table
+            .fault("this budget holds no element")
+            .help("write `{ springs = 1, dampers = 1, inerters = 1 }`"));
+    }
+    Ok(budgets)
+}
+
+fn component_budget(
+    table: &Table<'_>,
+    components: &Value<'_>,
+    kinds: &Kinds,
+    study: &Study,
+) -> Result<(Vec<Budget>, Vec<Option<usize>>), Fault> {
+    let mut budgets = Vec::new();
+    for value in components.as_array()? {
+        let index = resolve(
+            &value,
+            "component",
+            study.components.keys().map(String::as_str),
+        )?;
+        let Some((name, component)) = study.components.get_index(index) else {
+            continue;
+        };
+        if component.domain != kinds.domain() {
+            return Err(value.fault(format!(
+                "the component `{name}` is {}, the device {}",
+                component.domain,
+                kinds.domain()
+            )));
+        }
+        let single = component.layout.branches().count() == 1;
+        budgets.push(Budget::any(name).single_element(single));
+    }
+    for (key, least) in [("at_least", true), ("at_most", false)] {
+        let Some(value) = table.get(key) else {
+            continue;
+        };
+        for (name, span, value) in value.as_table()?.entries() {
+            let number = value.as_count()?;
+            let Some(budget) = budgets.iter_mut().find(|budget| budget.kind == name) else {
+                let names: Vec<String> = budgets.iter().map(|budget| budget.kind.clone()).collect();
+                let fault = Fault::at(
+                    table.source(),
+                    span,
+                    format!("`{name}` is not among the components of this budget"),
+                );
+                return Err(unknown(
+                    fault,
+                    name,
+                    "component",
+                    names.iter().map(String::as_str),
+                ));
+            };
+            *budget = if least {
+                budget.clone().at_least(number)
+            } else {
+                budget.clone().at_most(number)
+            };
+        }
+    }
+    let branches = table.require("branches")?;
+    let list = if branches.is_array() {
+        branches.as_array()?
+    } else {
+        vec![branches.clone()]
+    };
+    let numbers = list
+        .iter()
+        .map(|value| match value.as_count()? {
+            0 => Err(value.fault("a layout has at least one branch")),
+            number => Ok(Some(number)),
+        })
+        .collect::<Result<_, _>>()?;
+    Ok((budgets, numbers))
+}
+
+fn sweep(table: &Table<'_>, study: &Study) -> Result<Vec<SweepAxis>, Fault> {
+    let Some(value) = table.get("sweep") else {
+        return Ok(Vec::new());
+    };
+    let parameters = study.host.parameters(&[])?;
+    let names: Vec<&str> = parameters.iter().map(|(name, _)| name.as_str()).collect();
+    let mut axes = Vec::new();
+    for (name, span, value) in value.as_table()?.entries() {
+        if !names.contains(&name) {
+            let fault = Fault::at(
+                &study.source,
+                span,
+                format!("the host has no parameter `{name}` to sweep"),
+            );
+            return Err(unknown(fault, name, "parameter", names.iter().copied()));
+        }
+        axes.push(SweepAxis {
+            parameter: name.to_owned(),
+            span,
+            values: sweep_values(&value, &study.source)?,
+        });
+    }
+    if axes.is_empty() {
+        return Err(value.fault("the sweep names no parameter"));
+    }
+    Ok(axes)
+}
+
+fn sweep_values(value: &Value<'_>, source: &Arc<Source>) -> Result<SweepValues, Fault> {
+    let list = |value: &Value<'_>| -> Result<SweepValues, Fault> {
+        let values = value
+            .as_array()?
+            .iter()
+            .map(|value| Amount::read(value, source))
+            .collect::<Result<Vec<_>, _>>()?;
+        if values.is_empty() {
+            return Err(value.fault("the sweep has no value"));
+        }
+        Ok(SweepValues::List(values))
+    };
+    if value.is_array() {
+        return list(value);
+    }
+    let table = value.as_table()?;
+    table.check(&keys::SWEEP)?;
+    if let Some(values) = table.get("values") {
+        if let Some(span) = ["from", "to", "points", "scale"]
+            .iter()
+            .find_map(|key| table.key_span(key))
+        {
+            return Err(Fault::at(
+                source,
+                span,
+                "a sweep is a range or a list of `values`, not both",
+            ));
+        }
+        return list(&values);
+    }
+    let points_value = table.require("points")?;
+    let points = points_value.as_count()?;
+    if !(2..=10_000).contains(&points) {
+        return Err(points_value.fault(format!(
+            "a sweep has 2 to 10000 points, found {}",
+            counted(points, "point")
+        )));
+    }
+    let scale = match table
+        .get("scale")
+        .map(|value| value.one_of(&["linear", "log"]))
+        .transpose()?
+    {
+        Some("log") => Scale::Logarithmic,
+        _ => Scale::Linear,
+    };
+    Ok(SweepValues::Range {
+        from: Amount::read(&table.require("from")?, source)?,
+        to: Amount::read(&table.require("to")?, source)?,
+        points,
+        scale,
+    })
+}

@@ -1,0 +1,1 @@
+//! `quell layouts`: list or count the layouts of a budget.

@@ -1,0 +1,67 @@
+//! A progress bar with the best so far and the time left; silent when not on a terminal.
+
+use std::io::IsTerminal;
+use std::sync::Mutex;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use quell_study::Progress;
+
+/// The bar of one run.
+pub(crate) struct Bar {
+    bar: Mutex<ProgressBar>,
+    shown: bool,
+}
+
+impl Bar {
+    pub(crate) fn new() -> Self {
+        Self {
+            bar: Mutex::new(ProgressBar::hidden()),
+            shown: std::io::stderr().is_terminal(),
+        }
+    }
+
+    fn with(&self, act: impl FnOnce(&ProgressBar)) {
+        // A poisoned lock only means that another thread panicked while drawing.
+        let bar = self
+            .bar
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        act(&bar);
+    }
+
+    pub(crate) fn finish(&self) {
+        self.with(ProgressBar::finish_and_clear);
+    }
+}
+
+impl Progress for Bar {
+    fn begin(&self, task: &str, units: u64) {
+        if !self.shown {
+            return;
+        }
+        let style = ProgressStyle::with_template(
+            "{prefix:.bold} [{bar:32}] {pos}/{len} {elapsed} (left {eta})  {wide_msg}",
+        )
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .progress_chars("=> ");
+        let new =
+            ProgressBar::with_draw_target(Some(units), ProgressDrawTarget::stderr_with_hz(10))
+                .with_style(style)
+                .with_prefix(task.to_owned());
+        let mut bar = self
+            .bar
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        bar.finish_and_clear();
+        *bar = new;
+    }
+
+    fn advance(&self, best: &str) {
+        if self.shown {
+            self.with(|bar| {
+                bar.inc(1);
+                bar.set_message(best.to_owned());
+            });
+        }
+    }
+}

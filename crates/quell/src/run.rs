@@ -1,0 +1,80 @@
+//! `quell run`: the shortlist on the terminal, `results.json` and `report.html` in a folder.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use quell_study::{RunError, RunSettings, Study};
+
+use crate::arguments::RunOptions;
+use crate::progress::Bar;
+use crate::shortlist;
+use crate::terminal::{self, Exit};
+
+pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
+    let study = Study::read(&options.study).map_err(|fault| Exit::Study(Box::new(fault)))?;
+    let folder = match &options.out {
+        Some(folder) => folder.clone(),
+        None => default_folder(&options.study)?,
+    };
+    refuse_to_overwrite(&folder, options.force)?;
+    let settings = RunSettings {
+        seed: options.seed,
+        threads: options.threads.map(usize::from),
+        tasks: options.task.clone(),
+    };
+    let bar = Bar::new();
+    let outcome = quell_study::run(&study, &settings, &bar).map_err(|error| match error {
+        RunError::Study(fault) => Exit::Study(fault),
+        RunError::Failed(fault) => Exit::Run(fault),
+    })?;
+    bar.finish();
+
+    fs::create_dir_all(&folder).map_err(|error| {
+        Exit::failed(format!(
+            "the folder `{}` could not be made: {error}",
+            folder.display()
+        ))
+    })?;
+    let results = serde_json::to_string_pretty(&outcome.results)
+        .map_err(|error| Exit::failed(format!("the results could not be written: {error}")))?;
+    write(&folder.join("results.json"), &format!("{results}\n"))?;
+    let report = folder.join("report.html");
+    write(&report, &quell_report::html(&study, &outcome))?;
+
+    let mut text = shortlist::text(&study, &outcome);
+    text.push_str(&format!("\nReport: {}\n", report.display()));
+    terminal::print(&text)
+}
+
+fn default_folder(study: &Path) -> Result<PathBuf, Exit> {
+    let name = study.file_stem().ok_or_else(|| {
+        Exit::Asked(format!(
+            "`{}` names no file; give the folder for the results by `--out DIR`",
+            study.display()
+        ))
+    })?;
+    Ok(Path::new("runs").join(name))
+}
+
+fn refuse_to_overwrite(folder: &Path, force: bool) -> Result<(), Exit> {
+    if force || !folder.join("results.json").exists() {
+        return Ok(());
+    }
+    Err(Exit::Asked(format!(
+        "`{}` already holds a run; `--force` starts afresh over it, `--out DIR` puts this one elsewhere",
+        folder.display()
+    )))
+}
+
+/// Writes beside the target and renames, so that a reader never sees half a file.
+fn write(path: &Path, text: &str) -> Result<(), Exit> {
+    let beside = path.with_extension("partial");
+    fs::write(&beside, text)
+        .and_then(|()| fs::rename(&beside, path))
+        .map_err(|error| {
+            Exit::failed(format!(
+                "`{}` could not be written: {error}",
+                path.display()
+            ))
+        })
+}
