@@ -119,7 +119,7 @@ impl Scope for Constants<'_> {
 impl<'a> Reader<'a> {
     fn read(&self, expression: &Expression) -> Result<Value, ExpressionError> {
         let span = expression.span;
-        if !self.has_signal(expression) {
+        if !matches!(expression.node, Node::Binary { .. }) && !self.has_signal(expression) {
             return expression.evaluate(&Constants(self)).map(Value::Constant);
         }
         match &expression.node {
@@ -134,11 +134,7 @@ impl<'a> Reader<'a> {
                     ..quantity
                 }),
             }),
-            Node::Binary {
-                operator,
-                left,
-                right,
-            } => self.binary(*operator, left, right, span),
+            Node::Binary { .. } => self.chain(expression),
             Node::Derivative { order, operand } => match self.read(operand)? {
                 Value::Form(form, dimension) => differentiate(form, dimension, *order, span),
                 Value::Constant(_) => Err(ExpressionError::new(
@@ -167,88 +163,57 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn binary(
-        &self,
-        operator: BinaryOperator,
-        left: &Expression,
-        right: &Expression,
-        span: Span,
-    ) -> Result<Value, ExpressionError> {
-        let (a, b) = (self.read(left)?, self.read(right)?);
-        match (operator, a, b) {
-            (
-                BinaryOperator::Add | BinaryOperator::Subtract,
-                Value::Form(a, first),
-                Value::Form(b, second),
-            ) => {
-                if !first.agrees(&second) {
-                    return Err(ExpressionError::new(
-                        span,
-                        format!("`{left}` is in {first}, but `{right}` is in {second}"),
-                    ));
-                }
-                let sign = if operator == BinaryOperator::Add {
-                    1.0
-                } else {
-                    -1.0
-                };
-                Ok(Value::Form(a.plus(b.scaled(sign)), joined(first, second)))
-            }
-            (BinaryOperator::Add | BinaryOperator::Subtract, a, _) => {
-                let constant = if matches!(a, Value::Constant(_)) {
-                    left
-                } else {
-                    right
-                };
-                Err(ExpressionError::new(
-                    constant.span,
-                    format!("`{constant}` is a constant, which cannot be added to a signal"),
-                )
-                .with_help("displacements and forces are counted from the state at rest"))
-            }
-            (BinaryOperator::Multiply, Value::Constant(constant), Value::Form(form, dimension))
-            | (BinaryOperator::Multiply, Value::Form(form, dimension), Value::Constant(constant)) => {
-                scale(form, constant.value, dimension * constant.dimension, span)
-            }
-            (BinaryOperator::Divide, Value::Form(form, dimension), Value::Constant(constant)) => {
-                if constant.value == 0.0 {
-                    return Err(ExpressionError::new(
-                        right.span,
-                        format!("`{right}` is zero, and it divides"),
-                    ));
-                }
-                scale(
-                    form,
-                    1.0 / constant.value,
-                    dimension / constant.dimension,
-                    span,
-                )
-            }
-            (BinaryOperator::Multiply, ..) => Err(not_linear(span, "a product of two signals")),
-            (BinaryOperator::Divide, ..) => Err(not_linear(span, "division by a signal")),
-            (BinaryOperator::Power, ..) => Err(not_linear(span, "a power of a signal")),
+    /// A chain such as a - b + c, in a loop: it may be thousands long.
+    fn chain(&self, expression: &Expression) -> Result<Value, ExpressionError> {
+        let mut operations = Vec::new();
+        let mut first = expression;
+        while let Node::Binary {
+            operator,
+            left,
+            right,
+        } = &first.node
+        {
+            operations.push((first, *operator, left, right));
+            first = left;
         }
+        operations.reverse();
+        // What comes before the first signal is a constant, with the rules of constants.
+        let start = if self.has_signal(first) {
+            0
+        } else {
+            operations
+                .iter()
+                .position(|(.., right)| self.has_signal(right))
+                .unwrap_or(operations.len())
+        };
+        let mut value = match operations.get(start) {
+            Some((_, _, prefix, _)) => self.read(prefix)?,
+            None => return expression.evaluate(&Constants(self)).map(Value::Constant),
+        };
+        for (whole, operator, left, right) in operations.into_iter().skip(start) {
+            let other = self.read(right)?;
+            value = combine(operator, (value, left), (other, right), whole.span)?;
+        }
+        Ok(value)
     }
 
     /// Whether anything in the expression is a signal, or tries to be.
     fn has_signal(&self, expression: &Expression) -> bool {
-        match &expression.node {
-            Node::Name(name) => self.signal(name).is_some(),
-            Node::Negate(operand) => self.has_signal(operand),
-            Node::Derivative { .. } => true,
-            Node::Binary { left, right, .. } | Node::Comparison { left, right, .. } => {
-                self.has_signal(left) || self.has_signal(right)
+        let mut left_to_see = vec![expression];
+        while let Some(expression) = left_to_see.pop() {
+            match &expression.node {
+                Node::Name(name) if self.signal(name).is_some() => return true,
+                Node::Derivative { .. } => return true,
+                Node::Call { function, .. } if Quality::of(function).is_some() => return true,
+                Node::Call { arguments, .. } => left_to_see.extend(arguments),
+                Node::Negate(operand) => left_to_see.push(operand),
+                Node::Binary { left, right, .. } | Node::Comparison { left, right, .. } => {
+                    left_to_see.extend([&**left, &**right]);
+                }
+                Node::Name(_) | Node::Number(_) | Node::Quantity { .. } => {}
             }
-            Node::Call {
-                function,
-                arguments,
-                ..
-            } => {
-                Quality::of(function).is_some()
-                    || arguments.iter().any(|argument| self.has_signal(argument))
-            }
-            _ => false,
         }
+        false
     }
 
     fn constant(&self, name: &str) -> Option<Quantity> {
@@ -477,6 +442,68 @@ impl<'a> Reader<'a> {
             let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
             error.with_help(format!("the names are {}", quoted.join(", ")))
         }
+    }
+}
+
+/// One operation, at least one operand of which has signals.
+fn combine(
+    operator: BinaryOperator,
+    (a, left): (Value, &Expression),
+    (b, right): (Value, &Expression),
+    span: Span,
+) -> Result<Value, ExpressionError> {
+    match (operator, a, b) {
+        (
+            BinaryOperator::Add | BinaryOperator::Subtract,
+            Value::Form(a, first),
+            Value::Form(b, second),
+        ) => {
+            if !first.agrees(&second) {
+                return Err(ExpressionError::new(
+                    span,
+                    format!("`{left}` is in {first}, but `{right}` is in {second}"),
+                ));
+            }
+            let sign = if operator == BinaryOperator::Add {
+                1.0
+            } else {
+                -1.0
+            };
+            Ok(Value::Form(a.plus(b.scaled(sign)), joined(first, second)))
+        }
+        (BinaryOperator::Add | BinaryOperator::Subtract, a, _) => {
+            let constant = if matches!(a, Value::Constant(_)) {
+                left
+            } else {
+                right
+            };
+            Err(ExpressionError::new(
+                constant.span,
+                format!("`{constant}` is a constant, which cannot be added to a signal"),
+            )
+            .with_help("displacements and forces are counted from the state at rest"))
+        }
+        (BinaryOperator::Multiply, Value::Constant(constant), Value::Form(form, dimension))
+        | (BinaryOperator::Multiply, Value::Form(form, dimension), Value::Constant(constant)) => {
+            scale(form, constant.value, dimension * constant.dimension, span)
+        }
+        (BinaryOperator::Divide, Value::Form(form, dimension), Value::Constant(constant)) => {
+            if constant.value == 0.0 {
+                return Err(ExpressionError::new(
+                    right.span,
+                    format!("`{right}` is zero, and it divides"),
+                ));
+            }
+            scale(
+                form,
+                1.0 / constant.value,
+                dimension / constant.dimension,
+                span,
+            )
+        }
+        (BinaryOperator::Multiply, ..) => Err(not_linear(span, "a product of two signals")),
+        (BinaryOperator::Divide, ..) => Err(not_linear(span, "division by a signal")),
+        (BinaryOperator::Power, ..) => Err(not_linear(span, "a power of a signal")),
     }
 }
 

@@ -185,6 +185,35 @@ fn a_long_chain_of_parameters_is_no_trouble() {
     assert_eq!(words(&text), "fine");
 }
 
+#[test]
+fn long_and_deep_expressions_are_no_trouble() {
+    let chain = format!("x1{}", " - 2*x2".repeat(900));
+    assert_eq!(
+        words(&with_linear(&format!("[outputs]\ny = \"{chain}\""))),
+        "fine"
+    );
+    let longer = format!("x1{}", " - 2*x2".repeat(100_000));
+    assert_ne!(
+        words(&with_linear(&format!("[outputs]\ny = \"{longer}\""))),
+        "fine"
+    );
+    let deep = format!("{}x1{}", "-(".repeat(40), ")".repeat(40));
+    assert_eq!(
+        words(&with_linear(&format!("[outputs]\ny = \"{deep}\""))),
+        "fine"
+    );
+    let deeper = format!("{}x1{}", "(".repeat(100_000), ")".repeat(100_000));
+    assert_ne!(
+        words(&with_linear(&format!("[outputs]\ny = \"{deeper}\""))),
+        "fine"
+    );
+    let nested = format!("{}1{}", "[".repeat(10_000), "]".repeat(10_000));
+    assert_ne!(
+        words(&with_linear(&format!("matrices = {{ K = {nested} }}"))),
+        "fine"
+    );
+}
+
 /// Pieces of which random host files are put together.
 const PIECES: &[&str] = &[
     "quell = 1\n",

@@ -61,22 +61,22 @@ pub(super) fn outputs(host: &mut Host, table: &Table<'_>, names: &mut Names) -> 
 
 /// Visits the names that stand for signals or constants; arguments of `force` and `stroke` are names of parts.
 fn signals<'a>(expression: &'a Expression, visit: &mut impl FnMut(&'a str)) {
-    match &expression.node {
-        Node::Name(name) => visit(name),
-        Node::Number(_) | Node::Quantity { .. } => {}
-        Node::Negate(operand) | Node::Derivative { operand, .. } => signals(operand, visit),
-        Node::Binary { left, right, .. } | Node::Comparison { left, right, .. } => {
-            signals(left, visit);
-            signals(right, visit);
-        }
-        Node::Call {
-            function,
-            arguments,
-            ..
-        } => {
-            if !matches!(function.as_str(), "force" | "stroke") {
-                for argument in arguments {
-                    signals(argument, visit);
+    let mut left_to_see = vec![expression];
+    while let Some(expression) = left_to_see.pop() {
+        match &expression.node {
+            Node::Name(name) => visit(name),
+            Node::Number(_) | Node::Quantity { .. } => {}
+            Node::Negate(operand) | Node::Derivative { operand, .. } => left_to_see.push(operand),
+            Node::Binary { left, right, .. } | Node::Comparison { left, right, .. } => {
+                left_to_see.extend([&**left, &**right]);
+            }
+            Node::Call {
+                function,
+                arguments,
+                ..
+            } => {
+                if !matches!(function.as_str(), "force" | "stroke") {
+                    left_to_see.extend(arguments);
                 }
             }
         }
