@@ -309,12 +309,15 @@ impl<T: Scalar> Lu<T> {
                 *value = *value * self.row_scale[i];
             }
         }
+        // Rows of L were exchanged by later pivots as well, so all exchanges come first.
         for (k, &pivot) in self.pivots.iter().enumerate() {
             if pivot != k {
                 for j in 0..m {
                     x.data.swap(k * m + j, pivot * m + j);
                 }
             }
+        }
+        for k in 0..n {
             for i in k + 1..n {
                 let factor = self.factors.get(i, k);
                 if factor.modulus() != 0.0 {

@@ -358,37 +358,41 @@ impl Plan {
         for r in 0..p {
             small[r * width + p] = host.x0[r];
         }
-        let regular = eliminate(&mut small, p, width);
+        let determinant = eliminate(&mut small, p, width);
         let mut response = host.y0;
         for r in 0..p {
             response += pairs[r].0 * small[r * width + p];
         }
-        if !regular {
+        if determinant.is_none() {
             response = Complex64::new(f64::INFINITY, 0.0);
         }
         scratch.small = small;
         scratch.pairs = pairs;
-        (response, Complex64::ONE)
+        (response, determinant.unwrap_or(Complex64::ZERO))
     }
 
     /// Fills |H|² (and for one port the characteristic factor) over the grid.
     fn sweep(&self, values: &[f64], scratch: &mut Scratch) {
         let count = self.omegas.len();
         scratch.square.resize(count, 0.0);
+        for list in &mut scratch.factor {
+            list.resize(count, 0.0);
+        }
         if !self.single() || !self.parts.is_empty() {
-            scratch.factor[0].clear();
-            scratch.factor[1].clear();
             for i in 0..count {
                 let omega = self.omegas[i];
-                let response = if self.single() {
+                let (response, factor) = if self.single() {
                     let b = &self.bilinear;
                     let at = |list: &[Vec<f64>; 2]| Complex64::new(list[0][i], list[1][i]);
                     let (n, d, parts) = self.port_pair(0, values, omega, scratch);
-                    (at(&b.a) * n + at(&b.b) * d + parts * b.x0[i]) / (at(&b.c) * n + at(&b.e) * d)
+                    let factor = at(&b.c) * n + at(&b.e) * d;
+                    ((at(&b.a) * n + at(&b.b) * d + parts * b.x0[i]) / factor, factor)
                 } else {
-                    self.coupled(&self.points[i], values, omega, scratch).0
+                    self.coupled(&self.points[i], values, omega, scratch)
                 };
                 scratch.square[i] = finite_square(response.norm_sqr());
+                scratch.factor[0][i] = factor.re;
+                scratch.factor[1][i] = factor.im;
             }
             return;
         }
@@ -397,9 +401,6 @@ impl Plan {
         for (&index, grid) in devices.iter().zip(&mut scratch.grids) {
             let device = &self.assembly.devices[index];
             device.network.ratio_grid(&self.omegas, device.values(values), &mut scratch.workspace, grid);
-        }
-        for list in &mut scratch.factor {
-            list.resize(count, 0.0);
         }
         if devices.len() > 1 {
             combine(&scratch.grids, &mut scratch.combined);
@@ -425,13 +426,11 @@ impl Plan {
         let mut hidden = [usize::MAX; 16];
         let mut found = 0;
         // A lightly damped pole turns the phase of the characteristic factor by nearly half a turn between two points.
-        if scratch.factor[0].len() == count {
-            let [re, im] = &scratch.factor;
-            for i in 0..last {
-                if re[i] * re[i + 1] + im[i] * im[i + 1] < 0.0 && found < hidden.len() {
-                    hidden[found] = i;
-                    found += 1;
-                }
+        let [re, im] = &scratch.factor;
+        for i in 0..last {
+            if re[i] * re[i + 1] + im[i] * im[i + 1] < 0.0 && found < hidden.len() {
+                hidden[found] = i;
+                found += 1;
             }
         }
         let mut covered = [usize::MAX; 32];
@@ -466,8 +465,8 @@ impl Plan {
             }
             let (left, right) = (sample(square, i - 1), sample(square, i + 1));
             let predicted = vertex(left, middle, right).max(0.0);
-            // Doubles the predicted gain, because a peak between points can be sharper than its parabola.
-            let promise = predicted * predicted / middle.1.max(f64::MIN_POSITIVE);
+            // Half as much again may be gained, because a peak between points can be sharper than its parabola.
+            let promise = (predicted - 0.5 * (middle.1 - predicted)).max(0.0);
             candidates.push(Candidate { promise, left, middle, right, edge: false });
         }
         // Maxima between the edge and its neighbour.
@@ -534,8 +533,8 @@ impl Plan {
 
     /// max |H| over the band: the grid, then the largest local maxima refined with true evaluations.
     ///
-    /// Not-a-number where `values` has a wrong length. A very narrow peak between grid points can be missed in outputs with
-    /// several ports or parts; [`crate::certify`] tells.
+    /// Not-a-number where `values` has a wrong length. Resonances between two grid points are found by the turn of the
+    /// characteristic factor's phase; two of them in one gap can still be missed, and [`crate::certify`] tells.
     pub fn peak(&self, values: &[f64], scratch: &mut Scratch) -> Peak {
         if values.len() != self.assembly.elements {
             return Peak { value: f64::NAN, omega: f64::NAN };
@@ -652,7 +651,7 @@ impl Plan {
             response += adjoint[r * width + p] * Complex64::ZERO;
         }
         let output: Vec<Complex64> = (0..p).map(|r| adjoint[r * width + p]).collect();
-        if !eliminate(&mut forward, p, width) || !eliminate(&mut adjoint, p, width) {
+        if eliminate(&mut forward, p, width).is_none() || eliminate(&mut adjoint, p, width).is_none() {
             return Err(singular());
         }
         for r in 0..p {

@@ -381,9 +381,15 @@ impl<T: Scalar> Channel<T> {
         };
         let remainder = self.a.times(&solved).minus(&right);
         let static_response: T = solved.data().iter().zip(&self.c).fold(self.d[0], |sum, (&x, &c)| sum - c * x);
-        let size: f64 = solved.data().iter().zip(&self.c).map(|(x, c)| (*x * *c).modulus()).sum::<f64>()
-            + self.d[0].modulus();
-        // Rounding leaves about 1e-13 of the terms that cancel; a true drift is a sizeable part of them.
+        // What it is measured against: the terms that cancel, and the response at the system's own frequencies.
+        let terms: f64 = solved.data().iter().zip(&self.c).map(|(x, c)| (*x * *c).modulus()).sum();
+        let norm = self.a.norm();
+        let response = [1.0, 1e-1, 1e-2, 1e-3]
+            .iter()
+            .filter_map(|share| self.response(share * norm))
+            .fold(0.0_f64, |largest, h| largest.max(h.norm()));
+        let size = terms.max(self.d[0].modulus()).max(response);
+        // Rounding leaves about 1e-13 of it; a true drift is a sizeable part.
         if static_response.modulus() > 1e-8 * size || remainder.largest() > 1e-8 * right.largest() {
             return Err(ResponseError::PoleAtZero {
                 host: assembly.host.name.clone(),

@@ -150,7 +150,7 @@ impl HostChannel {
                 }
             }
         }
-        if !eliminate(work, n, width) {
+        if eliminate(work, n, width).is_none() {
             return false;
         }
         let integrated = Complex64::ONE / powers_of(omega, self.integrations);
@@ -194,8 +194,11 @@ impl HostChannel {
     }
 }
 
-/// Gauss elimination with row scaling and partial pivoting of the first `n` columns; the solution replaces the others.
-pub(crate) fn eliminate(work: &mut [Complex64], n: usize, width: usize) -> bool {
+/// Gauss elimination with partial pivoting of the first `n` columns; the solution replaces the others.
+///
+/// Returns the determinant, or nothing where the matrix is singular.
+pub(crate) fn eliminate(work: &mut [Complex64], n: usize, width: usize) -> Option<Complex64> {
+    let mut determinant = Complex64::ONE;
     let size = |value: Complex64| value.re.abs() + value.im.abs();
     for k in 0..n {
         let mut pivot = k;
@@ -208,13 +211,15 @@ pub(crate) fn eliminate(work: &mut [Complex64], n: usize, width: usize) -> bool 
             }
         }
         if !(best > 0.0 && best.is_finite()) {
-            return false;
+            return None;
         }
         if pivot != k {
+            determinant = -determinant;
             for j in k..width {
                 work.swap(k * width + j, pivot * width + j);
             }
         }
+        determinant *= work[k * width + k];
         let inverse = work[k * width + k].inv();
         let (above, below) = work.split_at_mut((k + 1) * width);
         let row = &mut above[k * width..];
@@ -242,5 +247,5 @@ pub(crate) fn eliminate(work: &mut [Complex64], n: usize, width: usize) -> bool 
             }
         }
     }
-    true
+    Some(determinant)
 }

@@ -81,7 +81,8 @@ fn plan_agrees_with_the_stamped_system() {
         for index in 0..2 {
             let plan = Plan::new(&system, index, &output, (0.0, 20.0), PlanSettings { points: 8, ..PlanSettings::default() })
                 .unwrap_or_else(|error| panic!("{text}: {error}"));
-            let omegas: Vec<f64> = (0..6).map(|_| random.magnitude(2.0)).collect();
+            // Not lower: at rest a port between base and mass has a stroke that is left by cancellation, in both ways.
+            let omegas: Vec<f64> = (0..6).map(|_| random.magnitude(1.0)).collect();
             let fast = plan.response(&values, &omegas);
             for (&omega, &fast) in omegas.iter().zip(&fast) {
                 let exact = system.direct_response(&values, index, &output, omega).unwrap();
@@ -188,7 +189,9 @@ fn gradients_of_pieces_are_those_of_the_peak() {
     }
 }
 
-/// Re of the driving-point mobility is not negative, whatever passive devices are attached (to rounding, 1e-12 of |Y|).
+/// Re of the driving-point mobility is not negative, whatever passive devices are attached.
+///
+/// To rounding: 1e-12 |Y|, and near an undamped resonance what an error of 1e-13 in 1/Y gives, 1e-13 |Y|².
 #[test]
 fn driving_point_mobility_is_passive() {
     for seed in 0..1000 {
@@ -211,7 +214,7 @@ fn driving_point_mobility_is_passive() {
         .unwrap();
         let omegas: Vec<f64> = (0..20).map(|_| random.magnitude(2.0)).collect();
         for (mobility, omega) in plan.response(&values, &omegas).iter().zip(&omegas) {
-            assert!(mobility.re >= -1e-12 * mobility.norm(), "seed {seed}: {text}: {mobility} at {omega}");
+            assert!(mobility.re >= -1e-12 * mobility.norm() - 1e-13 * mobility.norm_sqr(), "seed {seed}: {text}: {mobility} at {omega}");
         }
     }
 }
