@@ -280,17 +280,24 @@ impl Plan {
 
     /// H(jω) at one frequency, rad/s, without allocation.
     pub fn evaluate(&self, values: &[f64], omega: f64, scratch: &mut Scratch) -> Complex64 {
+        self.evaluate_with_factor(values, omega, scratch).0
+    }
+
+    /// H(jω) and the characteristic factor whose zeros are the poles.
+    fn evaluate_with_factor(&self, values: &[f64], omega: f64, scratch: &mut Scratch) -> (Complex64, Complex64) {
         if values.len() != self.assembly.elements || !self.channel.solve(omega, &mut scratch.work, &mut scratch.host) {
-            return Complex64::new(f64::NAN, f64::NAN);
+            let nothing = Complex64::new(f64::NAN, f64::NAN);
+            return (nothing, nothing);
         }
         if self.single() {
             let constants = constants(&scratch.host, self.gamma[0]);
             let (numerator, denominator, parts) = self.port_pair(0, values, omega, scratch);
             let top = constants.a * numerator + constants.b * denominator + parts * constants.x0;
-            return top / (constants.c * numerator + constants.e * denominator);
+            let factor = constants.c * numerator + constants.e * denominator;
+            return (top / factor, factor);
         }
         let host = std::mem::take(&mut scratch.host);
-        let (response, _) = self.coupled(&host, values, omega, scratch);
+        let response = self.coupled(&host, values, omega, scratch);
         scratch.host = host;
         response
     }
@@ -435,18 +442,8 @@ impl Plan {
         }
         let mut covered = [usize::MAX; 32];
         for (place, &i) in hidden[..found].iter().enumerate() {
-            let (re, im) = (
-                [scratch.factor[0][i], scratch.factor[0][i + 1]],
-                [scratch.factor[1][i], scratch.factor[1][i + 1]],
-            );
-            let (dr, di) = (re[1] - re[0], im[1] - im[0]);
-            let share = (-(re[0] * dr + im[0] * di) / (dr * dr + di * di)).clamp(0.01, 0.99);
-            let omega = self.omegas[i] + share * (self.omegas[i + 1] - self.omegas[i]);
-            let middle = (omega, 1.0 / finite_square(self.evaluate(values, omega, scratch).norm_sqr()));
-            let (left, right) = (sample(&scratch.square, i), sample(&scratch.square, i + 1));
-            if middle.1 < left.1 && middle.1 < right.1 {
-                // A parabola through far points says nothing about a narrow peak: always refine.
-                candidates.push(Candidate { promise: 0.0, left, middle, right, edge: false });
+            if let Some(candidate) = self.hidden_peak(values, i, scratch) {
+                candidates.push(candidate);
                 covered[2 * place] = i;
                 covered[2 * place + 1] = i + 1;
             }
@@ -492,6 +489,62 @@ impl Plan {
         }
         candidates.sort_unstable_by(|a, b| a.promise.total_cmp(&b.promise));
         scratch.candidates = candidates;
+    }
+
+    /// The resonance between grid points i and i + 1, between which the characteristic factor turns by more than a quarter.
+    fn hidden_peak(&self, values: &[f64], i: usize, scratch: &mut Scratch) -> Option<Candidate> {
+        let factor = |scratch: &Scratch, at: usize| Complex64::new(scratch.factor[0][at], scratch.factor[1][at]);
+        let (mut low, mut high) = ((self.omegas[i], factor(scratch, i)), (self.omegas[i + 1], factor(scratch, i + 1)));
+        let (left, right) =
+            ((low.0, 1.0 / scratch.square[i]), (high.0, 1.0 / scratch.square[i + 1]));
+        let mut best = if left.1 < right.1 { left } else { right };
+        let mut width = 0.0;
+        // The factor passes the origin almost on a straight line; along it, its projection changes sign.
+        for _ in 0..12 {
+            let along = high.1 - low.1;
+            let share = -(along.conj() * low.1).re / along.norm_sqr();
+            let omega = low.0 + share.clamp(0.01, 0.99) * (high.0 - low.0);
+            if !(omega > low.0 && omega < high.0) {
+                break;
+            }
+            let (response, factor) = self.evaluate_with_factor(values, omega, scratch);
+            let sample = (omega, 1.0 / finite_square(response.norm_sqr()));
+            if sample.1 < best.1 {
+                best = sample;
+            }
+            let turned = along.conj() * factor;
+            let slope = along.norm_sqr() / (high.0 - low.0);
+            width = turned.im.abs() / slope;
+            let away = turned.re / slope;
+            if away.abs() < 0.5 * width || away.abs() < 1e-12 * omega {
+                break;
+            }
+            if away < 0.0 {
+                low = (omega, factor);
+            } else {
+                high = (omega, factor);
+            }
+        }
+        if best.0 == left.0 || best.0 == right.0 {
+            return None;
+        }
+        // A bracket of a few widths, where 1/|H|² is a parabola.
+        let (mut below, mut above) = (left, right);
+        for side in [-2.0, 2.0] {
+            let omega = best.0 + side * width;
+            if omega > left.0 && omega < right.0 && omega != best.0 {
+                let value = 1.0 / finite_square(self.evaluate(values, omega, scratch).norm_sqr());
+                if value >= best.1 {
+                    if side < 0.0 {
+                        below = (omega, value);
+                    } else {
+                        above = (omega, value);
+                    }
+                }
+            }
+        }
+        // A parabola through far points says nothing about a narrow peak: always refine.
+        Some(Candidate { promise: 0.0, left: below, middle: best, right: above, edge: false })
     }
 
     /// Refines all candidates that may come within `margin` of the largest; leaves them in `scratch.refined`.
