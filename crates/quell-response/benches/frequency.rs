@@ -2,6 +2,8 @@
 //!
 //! One mass on a moving base, one port, 0 to 30 Hz; devices of 1, 4 and 8 elements.
 
+#![expect(clippy::expect_used, reason = "a benchmark that cannot be set up ends")]
+
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -17,18 +19,29 @@ fn main() {
     divan::main();
 }
 
-const LAYOUTS: [&str; 3] = ["c1", "k1 + (k2 | c1 | b1)", "k1 + (k2 | (c1 | b1) + c2 + (b2 | c3 + c4))"];
+const LAYOUTS: [&str; 3] = [
+    "c1",
+    "k1 + (k2 | c1 | b1)",
+    "k1 + (k2 | (c1 | b1) + c2 + (b2 | c3 + c4))",
+];
 
 fn values(count: usize) -> Vec<f64> {
     // Of the size that a fluid-filled isolator has; all different, so that nothing cancels by chance.
     let typical = [2.0833e5, 2403.8, 656.25, 23.75, 900.0, 31.0, 450.0, 700.0];
-    if count == 1 { vec![650.0] } else { typical[..count].to_vec() }
+    if count == 1 {
+        vec![650.0]
+    } else {
+        typical[..count].to_vec()
+    }
 }
 
 fn plan(layout: &str) -> Plan {
     let host = LinearHost {
         name: "bench".into(),
-        coordinates: vec![Coordinate { name: "x".into(), kind: CoordinateKind::Translation }],
+        coordinates: vec![Coordinate {
+            name: "x".into(),
+            kind: CoordinateKind::Translation,
+        }],
         mass: mat![[60.0]],
         damping: mat![[105.0]],
         stiffness: mat![[2.25e5]],
@@ -52,9 +65,17 @@ fn plan(layout: &str) -> Plan {
     };
     let layout = Layout::parse(layout, &Kinds::new(Domain::Translational)).expect("a layout");
     let network = Arc::new(Network::from_layout(&layout, None).expect("a network"));
-    let assembly =
-        Arc::new(Assembly::new(Arc::new(host), vec![Attached { port: 0, network }]).expect("an assembly"));
-    Plan::new(&assembly, 0, &output(), (0.0, 30.0 * TAU), PlanSettings::default()).expect("a plan")
+    let assembly = Arc::new(
+        Assembly::new(Arc::new(host), vec![Attached { port: 0, network }]).expect("an assembly"),
+    );
+    Plan::new(
+        &assembly,
+        0,
+        &output(),
+        (0.0, 30.0 * TAU),
+        PlanSettings::default(),
+    )
+    .expect("a plan")
 }
 
 fn output() -> LinearForm {
@@ -87,7 +108,16 @@ fn pieces(bencher: divan::Bencher<'_, '_>, layout: &str) {
 fn certificate(bencher: divan::Bencher<'_, '_>, layout: &str) {
     let plan = plan(layout);
     let values = values(plan.assembly().elements());
-    bencher.bench_local(|| certify(plan.assembly(), divan::black_box(&values), 0, &output(), plan.band(), 1e-6));
+    bencher.bench_local(|| {
+        certify(
+            plan.assembly(),
+            divan::black_box(&values),
+            0,
+            &output(),
+            plan.band(),
+            1e-6,
+        )
+    });
 }
 
 #[divan::bench(args = LAYOUTS)]
@@ -102,6 +132,8 @@ fn variance(bencher: divan::Bencher<'_, '_>, layout: &str) {
     let plan = plan(layout);
     let values = values(plan.assembly().elements());
     // The stroke tends to -1 at high frequency; the mass's displacement has a variance.
-    let output = LinearForm { terms: vec![(Signal::Coordinate { index: 0, order: 0 }, 1.0)] };
+    let output = LinearForm {
+        terms: vec![(Signal::Coordinate { index: 0, order: 0 }, 1.0)],
+    };
     bencher.bench_local(|| h2_fast(plan.assembly(), divan::black_box(&values), 0, &output));
 }

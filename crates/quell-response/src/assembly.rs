@@ -58,7 +58,11 @@ impl Row {
     }
 
     pub(crate) fn input(&self, input: usize) -> f64 {
-        self.inputs.iter().filter(|entry| entry.0 == input).map(|entry| entry.1).sum()
+        self.inputs
+            .iter()
+            .filter(|entry| entry.0 == input)
+            .map(|entry| entry.1)
+            .sum()
     }
 }
 
@@ -148,16 +152,26 @@ impl Assembly {
             let first_stamp = stamps.len();
             let mut ends = Vec::with_capacity(nodal.branches.len());
             for branch in &nodal.branches {
-                let row = node_row(&host, port, size, branch.from).minus(&node_row(&host, port, size, branch.to));
+                let row = node_row(&host, port, size, branch.from)
+                    .minus(&node_row(&host, port, size, branch.to));
                 let order = match branch.element {
                     Element::Spring => 0,
                     Element::Damper => 1,
                     Element::Inerter | Element::Mass => 2,
                 };
-                stamps.push(Stamp { order, value: elements + branch.value, row });
+                stamps.push(Stamp {
+                    order,
+                    value: elements + branch.value,
+                    row,
+                });
                 ends.push((branch.from, branch.to));
             }
-            element_names.extend(network.elements().iter().map(|element| element.name.clone()));
+            element_names.extend(
+                network
+                    .elements()
+                    .iter()
+                    .map(|element| element.name.clone()),
+            );
             let count = network.elements().len();
             assembly_devices.push(Device {
                 port,
@@ -173,22 +187,30 @@ impl Assembly {
         let mass = Dense::from_faer(&host.mass);
         let damping = Dense::from_faer(&host.damping);
         let stiffness = Dense::from_faer(&host.stiffness);
-        let loss = host.loss.as_ref().map(Dense::from_faer).filter(|loss| !loss.is_zero());
+        let loss = host
+            .loss
+            .as_ref()
+            .map(Dense::from_faer)
+            .filter(|loss| !loss.is_zero());
         let forcing = [0, 1, 2].map(|k| Dense::from_faer(&host.forcing[k]));
         let names = |index: usize| {
             if index < n {
                 return host.coordinates[index].name.clone();
             }
-            assembly_devices.iter().rev().find(|device| device.first_node <= index).map_or_else(
-                || format!("internal node {index}"),
-                |device| {
-                    format!(
-                        "internal node {} of the device on port {}",
-                        index - device.first_node + 1,
-                        host.ports[device.port].name
-                    )
-                },
-            )
+            assembly_devices
+                .iter()
+                .rev()
+                .find(|device| device.first_node <= index)
+                .map_or_else(
+                    || format!("internal node {index}"),
+                    |device| {
+                        format!(
+                            "internal node {} of the device on port {}",
+                            index - device.first_node + 1,
+                            host.ports[device.port].name
+                        )
+                    },
+                )
         };
         let matrices = [&stiffness, &damping, &mass];
         let structure = Structure::new(n, size, matrices, &stamps, false, &names)?;
@@ -228,16 +250,24 @@ impl Assembly {
 
     /// How many of the predicted eigenvalues are zero because the host (with its devices) can move as a rigid body.
     pub fn predicted_rigid_body_modes(&self) -> usize {
-        self.structure.states().saturating_sub(self.deflated.states())
+        self.structure
+            .states()
+            .saturating_sub(self.deflated.states())
     }
 
     pub(crate) fn check_values(&self, values: &[f64]) -> Result<(), ResponseError> {
         if values.len() != self.elements {
-            return Err(ResponseError::ValueCount { expected: self.elements, found: values.len() });
+            return Err(ResponseError::ValueCount {
+                expected: self.elements,
+                found: values.len(),
+            });
         }
         for (index, &value) in values.iter().enumerate() {
             if !(value.is_finite() && value >= 0.0) {
-                return Err(ResponseError::ElementValue { element: self.element_names[index].clone(), value });
+                return Err(ResponseError::ElementValue {
+                    element: self.element_names[index].clone(),
+                    value,
+                });
             }
         }
         Ok(())
@@ -247,17 +277,30 @@ impl Assembly {
         self.check_index("input", input, self.host.inputs.len())
     }
 
-    fn check_index(&self, what: &'static str, index: usize, count: usize) -> Result<(), ResponseError> {
+    fn check_index(
+        &self,
+        what: &'static str,
+        index: usize,
+        count: usize,
+    ) -> Result<(), ResponseError> {
         if index < count {
             Ok(())
         } else {
-            Err(ResponseError::UnknownIndex { host: self.host.name.clone(), what, index, count })
+            Err(ResponseError::UnknownIndex {
+                host: self.host.name.clone(),
+                what,
+                index,
+                count,
+            })
         }
     }
 
     pub(crate) fn no_loss(&self, task: &'static str) -> Result<(), ResponseError> {
         if self.loss.is_some() {
-            return Err(ResponseError::LossFactors { host: self.host.name.clone(), task });
+            return Err(ResponseError::LossFactors {
+                host: self.host.name.clone(),
+                task,
+            });
         }
         Ok(())
     }
@@ -272,7 +315,9 @@ impl Assembly {
         let mut terms = Vec::new();
         for (signal, coefficient) in &form.terms {
             if !coefficient.is_finite() {
-                return Err(ResponseError::NotFinite { what: "a coefficient of the output".into() });
+                return Err(ResponseError::NotFinite {
+                    what: "a coefficient of the output".into(),
+                });
             }
             self.signal_terms(signal, *coefficient, &mut terms)?;
         }
@@ -288,15 +333,37 @@ impl Assembly {
         match signal {
             Signal::Coordinate { index, order } => {
                 self.check_index("coordinate", *index, self.host.coordinates.len())?;
-                check_order(&format!("coordinate `{}`", self.host.coordinates[*index].name), *order)?;
-                let row = Row { coordinates: vec![(*index, 1.0)], inputs: vec![] };
-                terms.push(OutputTerm { order: *order, value: None, coefficient, row });
+                check_order(
+                    &format!("coordinate `{}`", self.host.coordinates[*index].name),
+                    *order,
+                )?;
+                let row = Row {
+                    coordinates: vec![(*index, 1.0)],
+                    inputs: vec![],
+                };
+                terms.push(OutputTerm {
+                    order: *order,
+                    value: None,
+                    coefficient,
+                    row,
+                });
             }
             Signal::Input { index, order } => {
                 self.check_input(*index)?;
-                check_order(&format!("input `{}`", self.host.inputs[*index].name), *order)?;
-                let row = Row { coordinates: vec![], inputs: vec![(*index, 1.0)] };
-                terms.push(OutputTerm { order: *order, value: None, coefficient, row });
+                check_order(
+                    &format!("input `{}`", self.host.inputs[*index].name),
+                    *order,
+                )?;
+                let row = Row {
+                    coordinates: vec![],
+                    inputs: vec![(*index, 1.0)],
+                };
+                terms.push(OutputTerm {
+                    order: *order,
+                    value: None,
+                    coefficient,
+                    row,
+                });
             }
             Signal::PortForce { index } => {
                 self.check_index("port", *index, self.host.ports.len())?;
@@ -307,13 +374,14 @@ impl Assembly {
             Signal::PartStroke { port, part, order } => {
                 let (device, (from, to)) = self.find_part(*port, part)?;
                 check_order(&format!("the stroke of `{part}`"), *order)?;
-                let row = node_row(&self.host, device.port, device.first_node, from).minus(&node_row(
-                    &self.host,
-                    device.port,
-                    device.first_node,
-                    to,
-                ));
-                terms.push(OutputTerm { order: *order, value: None, coefficient, row });
+                let row = node_row(&self.host, device.port, device.first_node, from)
+                    .minus(&node_row(&self.host, device.port, device.first_node, to));
+                terms.push(OutputTerm {
+                    order: *order,
+                    value: None,
+                    coefficient,
+                    row,
+                });
             }
             Signal::PartForce { port, part } => {
                 let (device, (from, _)) = self.find_part(*port, part)?;
@@ -350,7 +418,11 @@ impl Assembly {
     }
 
     /// The device on `port` that has `part`, and the part's nodes.
-    pub(crate) fn find_part(&self, port: usize, part: &str) -> Result<(&Device, (Node, Node)), ResponseError> {
+    pub(crate) fn find_part(
+        &self,
+        port: usize,
+        part: &str,
+    ) -> Result<(&Device, (Node, Node)), ResponseError> {
         self.check_index("port", port, self.host.ports.len())?;
         let mut found = None;
         let mut names = Vec::new();
@@ -389,8 +461,10 @@ impl Assembly {
         for i in 0..n {
             for j in 0..n {
                 let loss = self.loss.as_ref().map_or(0.0, |loss| loss.get(i, j));
-                let value = Complex64::new(self.stiffness.get(i, j), if omega > 0.0 { loss } else { 0.0 })
-                    + powers[1] * self.damping.get(i, j)
+                let value = Complex64::new(
+                    self.stiffness.get(i, j),
+                    if omega > 0.0 { loss } else { 0.0 },
+                ) + powers[1] * self.damping.get(i, j)
                     + powers[2] * self.mass.get(i, j);
                 matrix.set(i, j, value);
             }
@@ -410,7 +484,9 @@ impl Assembly {
         let powers = powers(omega);
         let mut right = Dense::zeros(self.size, 1);
         for i in 0..self.host.coordinates.len() {
-            let force: Complex64 = (0..3).map(|k| powers[k] * self.forcing[k].get(i, input)).sum();
+            let force: Complex64 = (0..3)
+                .map(|k| powers[k] * self.forcing[k].get(i, input))
+                .sum();
             right.set(i, 0, force);
         }
         for stamp in &self.stamps {
@@ -459,7 +535,10 @@ impl Assembly {
         self.check_values(values)?;
         self.check_input(input)?;
         if gradient.len() != self.elements {
-            return Err(ResponseError::ValueCount { expected: self.elements, found: gradient.len() });
+            return Err(ResponseError::ValueCount {
+                expected: self.elements,
+                found: gradient.len(),
+            });
         }
         let terms = self.output_terms(form)?;
         self.direct_terms(values, input, &terms, omega, Some(gradient))
@@ -474,9 +553,13 @@ impl Assembly {
         gradient: Option<&mut [Complex64]>,
     ) -> Result<Complex64, ResponseError> {
         if !omega.is_finite() {
-            return Err(ResponseError::NotFinite { what: "the frequency".into() });
+            return Err(ResponseError::NotFinite {
+                what: "the frequency".into(),
+            });
         }
-        let singular = || ResponseError::SingularAt { hz: omega / std::f64::consts::TAU };
+        let singular = || ResponseError::SingularAt {
+            hz: omega / std::f64::consts::TAU,
+        };
         let matrix = self.dynamic_stiffness(values, omega);
         let lu = matrix.lu().ok_or_else(singular)?;
         let z = lu.solve(&self.excitation(values, input, omega));
@@ -485,8 +568,11 @@ impl Assembly {
         let weight = |term: &OutputTerm| {
             powers[term.order] * (term.coefficient * term.value.map_or(1.0, |index| values[index]))
         };
-        let response: Complex64 =
-            terms.iter().map(|term| weight(term) * term.row.apply(z.data(), input)).sum::<Complex64>() * factor;
+        let response: Complex64 = terms
+            .iter()
+            .map(|term| weight(term) * term.row.apply(z.data(), input))
+            .sum::<Complex64>()
+            * factor;
         if !response.is_finite() {
             return Err(singular());
         }
@@ -498,12 +584,20 @@ impl Assembly {
                     right.add(i, 0, weight(term) * a);
                 }
                 if let Some(index) = term.value {
-                    gradient[index] += powers[term.order] * term.coefficient * term.row.apply(z.data(), input) * factor;
+                    gradient[index] += powers[term.order]
+                        * term.coefficient
+                        * term.row.apply(z.data(), input)
+                        * factor;
                 }
             }
             let adjoint = matrix.transpose().lu().ok_or_else(singular)?.solve(&right);
             for stamp in &self.stamps {
-                let through: Complex64 = stamp.row.coordinates.iter().map(|&(i, a)| adjoint.get(i, 0) * a).sum();
+                let through: Complex64 = stamp
+                    .row
+                    .coordinates
+                    .iter()
+                    .map(|&(i, a)| adjoint.get(i, 0) * a)
+                    .sum();
                 gradient[stamp.value] -=
                     powers[stamp.order] * through * stamp.row.apply(z.data(), input) * factor;
             }
@@ -514,39 +608,62 @@ impl Assembly {
 
 /// 1, jω, (jω)².
 pub(crate) fn powers(omega: f64) -> [Complex64; 3] {
-    [Complex64::ONE, Complex64::new(0.0, omega), Complex64::new(-omega * omega, 0.0)]
+    [
+        Complex64::ONE,
+        Complex64::new(0.0, omega),
+        Complex64::new(-omega * omega, 0.0),
+    ]
 }
 
 /// (jω)^order.
 pub(crate) fn powers_of(omega: f64, order: usize) -> Complex64 {
-    (0..order).fold(Complex64::ONE, |power, _| power * Complex64::new(0.0, omega))
+    (0..order).fold(Complex64::ONE, |power, _| {
+        power * Complex64::new(0.0, omega)
+    })
 }
 
 /// Whether an element's name lies within the part (`track1.I` in `track1`).
 pub(crate) fn is_within(element: &str, part: &str) -> bool {
-    element.strip_prefix(part).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    element
+        .strip_prefix(part)
+        .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
 fn check_order(what: &str, order: usize) -> Result<(), ResponseError> {
     if order <= 2 {
         Ok(())
     } else {
-        Err(ResponseError::DerivativeOrder { what: what.to_owned(), order, most: 2 })
+        Err(ResponseError::DerivativeOrder {
+            what: what.to_owned(),
+            order,
+            most: 2,
+        })
     }
 }
 
 /// The displacement of a node of a device on `port` whose internal nodes begin at `first` in z.
 fn node_row(host: &LinearHost, port: usize, first: usize, node: Node) -> Row {
     let sparse = |values: &[f64]| {
-        values.iter().copied().enumerate().filter(|entry| entry.1 != 0.0).collect::<Vec<(usize, f64)>>()
+        values
+            .iter()
+            .copied()
+            .enumerate()
+            .filter(|entry| entry.1 != 0.0)
+            .collect::<Vec<(usize, f64)>>()
     };
     match node {
         Node::Head => {
             let port = &host.ports[port];
-            Row { coordinates: sparse(&port.coordinates), inputs: sparse(&port.inputs) }
+            Row {
+                coordinates: sparse(&port.coordinates),
+                inputs: sparse(&port.inputs),
+            }
         }
         Node::Tail => Row::default(),
-        Node::Internal(index) => Row { coordinates: vec![(first + index, 1.0)], inputs: vec![] },
+        Node::Internal(index) => Row {
+            coordinates: vec![(first + index, 1.0)],
+            inputs: vec![],
+        },
     }
 }
 
@@ -556,38 +673,69 @@ fn validate(host: &LinearHost) -> Result<(), ResponseError> {
         if expected == found {
             Ok(())
         } else {
-            Err(ResponseError::Shape { host: host.name.clone(), what, expected, found })
+            Err(ResponseError::Shape {
+                host: host.name.clone(),
+                what,
+                expected,
+                found,
+            })
         }
     };
-    let mut matrices = vec![("the mass matrix", &host.mass, n), ("the damping matrix", &host.damping, n), (
-        "the stiffness matrix",
-        &host.stiffness,
-        n,
-    )];
+    let mut matrices = vec![
+        ("the mass matrix", &host.mass, n),
+        ("the damping matrix", &host.damping, n),
+        ("the stiffness matrix", &host.stiffness, n),
+    ];
     if let Some(loss) = &host.loss {
         matrices.push(("the loss matrix", loss, n));
     }
-    for (name, matrix) in ["the matrix F0", "the matrix F1", "the matrix F2"].into_iter().zip(&host.forcing) {
+    for (name, matrix) in ["the matrix F0", "the matrix F1", "the matrix F2"]
+        .into_iter()
+        .zip(&host.forcing)
+    {
         matrices.push((name, matrix, inputs));
     }
     for (name, matrix, columns) in matrices {
         shape(format!("a column of {name}"), n, matrix.nrows())?;
         shape(format!("a row of {name}"), columns, matrix.ncols())?;
         if !Dense::from_faer(matrix).is_finite() {
-            return Err(ResponseError::NotFinite { what: format!("{name} of host `{}`", host.name) });
+            return Err(ResponseError::NotFinite {
+                what: format!("{name} of host `{}`", host.name),
+            });
         }
     }
     for port in &host.ports {
-        shape(format!("the across-variable of port `{}` on the coordinates", port.name), n, port.coordinates.len())?;
-        shape(format!("the across-variable of port `{}` on the inputs", port.name), inputs, port.inputs.len())?;
-        if !port.coordinates.iter().chain(&port.inputs).all(|value| value.is_finite()) {
-            return Err(ResponseError::NotFinite { what: format!("port `{}` of host `{}`", port.name, host.name) });
+        shape(
+            format!(
+                "the across-variable of port `{}` on the coordinates",
+                port.name
+            ),
+            n,
+            port.coordinates.len(),
+        )?;
+        shape(
+            format!("the across-variable of port `{}` on the inputs", port.name),
+            inputs,
+            port.inputs.len(),
+        )?;
+        if !port
+            .coordinates
+            .iter()
+            .chain(&port.inputs)
+            .all(|value| value.is_finite())
+        {
+            return Err(ResponseError::NotFinite {
+                what: format!("port `{}` of host `{}`", port.name, host.name),
+            });
         }
     }
     for i in 0..n {
         for j in 0..i {
             let (upper, lower) = (host.mass[(j, i)], host.mass[(i, j)]);
-            let scale = (host.mass[(i, i)] * host.mass[(j, j)]).abs().sqrt().max(upper.abs());
+            let scale = (host.mass[(i, i)] * host.mass[(j, j)])
+                .abs()
+                .sqrt()
+                .max(upper.abs());
             // Files carry six digits or more; anything beyond that is a mistake in the matrix.
             if (upper - lower).modulus() > 1e-6 * scale {
                 return Err(ResponseError::UnsymmetricMass {

@@ -83,13 +83,25 @@ pub fn certify(
     assembly.check_values(values)?;
     assembly.check_input(input)?;
     let band = checked_band(band)?;
-    if !(tolerance >= 1e-12 && tolerance < 1.0) {
-        return Err(ResponseError::Setting { name: "tolerance", value: tolerance, range: "from 1e-12 to 1" });
+    if !(1e-12..1.0).contains(&tolerance) {
+        return Err(ResponseError::Setting {
+            name: "tolerance",
+            value: tolerance,
+            range: "from 1e-12 to 1",
+        });
     }
     let terms = assembly.output_terms(form)?;
-    let problem = Problem { assembly, values, input, terms: &terms, band, tolerance };
+    let problem = Problem {
+        assembly,
+        values,
+        input,
+        terms: &terms,
+        band,
+        tolerance,
+    };
     if assembly.loss.is_some() {
-        let space = assembly.state_space(&assembly.structure, values, Complex64::ONE, Complex64::new)?;
+        let space =
+            assembly.state_space(&assembly.structure, values, Complex64::ONE, Complex64::new)?;
         problem.run(&space.channel(assembly, values, input, &terms)?)
     } else {
         let space = assembly.state_space(&assembly.structure, values, 1.0_f64, |k, _| k)?;
@@ -117,7 +129,8 @@ struct Bounded {
 
 impl Problem<'_> {
     fn direct(&self, omega: f64) -> Result<Complex64, ResponseError> {
-        self.assembly.direct_terms(self.values, self.input, self.terms, omega, None)
+        self.assembly
+            .direct_terms(self.values, self.input, self.terms, omega, None)
     }
 
     fn run<T: Decompose>(&self, channel: &Channel<T>) -> Result<Certificate, ResponseError> {
@@ -126,12 +139,14 @@ impl Problem<'_> {
         let mut method = CertificateMethod::PartialFractions;
         let mut outcome = None;
         if let Some(residues) = &residues {
-            let bounded = self.subdivide(&breaks, |m, h| Some((residues.at(m), residues.third(m, h))));
-            let difference = self.difference(&breaks, bounded.omega, |omega| Some(residues.at(omega)[0]))?;
+            let bounded =
+                self.subdivide(&breaks, |m, h| Some((residues.at(m), residues.third(m, h))));
+            let difference =
+                self.difference(&breaks, bounded.omega, |omega| Some(residues.at(omega)[0]))?;
             if difference <= 0.25 * self.tolerance * bounded.gamma && bounded.failure.is_none() {
                 outcome = Some((bounded, difference));
             } else if bounded.failure.is_some() && difference <= 1e-6 * bounded.gamma {
-                return self.finish(method, bounded, difference);
+                return self.finish(method, &bounded, difference);
             }
         }
         let (bounded, difference) = if let Some(outcome) = outcome {
@@ -140,17 +155,18 @@ impl Problem<'_> {
             method = CertificateMethod::Resolvent;
             let resolvent = Resolvent::new(channel);
             let bounded = self.subdivide(&breaks, |m, h| resolvent.at(m, h));
-            let difference =
-                self.difference(&breaks, bounded.omega, |omega| resolvent.at(omega, 0.0).map(|h| h.0[0]))?;
+            let difference = self.difference(&breaks, bounded.omega, |omega| {
+                resolvent.at(omega, 0.0).map(|h| h.0[0])
+            })?;
             (bounded, difference)
         };
-        self.finish(method, bounded, difference)
+        self.finish(method, &bounded, difference)
     }
 
     fn finish(
         &self,
         method: CertificateMethod,
-        bounded: Bounded,
+        bounded: &Bounded,
         difference: f64,
     ) -> Result<Certificate, ResponseError> {
         let value = match self.direct(bounded.omega) {
@@ -159,7 +175,11 @@ impl Problem<'_> {
             Err(error) => return Err(error),
         };
         let upper_bound = bounded.upper.max(bounded.gamma).max(value) + 2.0 * difference;
-        let achieved_tolerance = if value > 0.0 { upper_bound / value - 1.0 } else { 0.0 };
+        let achieved_tolerance = if value > 0.0 {
+            upper_bound / value - 1.0
+        } else {
+            0.0
+        };
         let status = if let Some(omega) = bounded.failure {
             CertificateStatus::NotCertified {
                 reason: format!(
@@ -177,8 +197,16 @@ impl Problem<'_> {
                 ),
             }
         };
-        let upper_bound = if bounded.failure.is_some() { f64::INFINITY } else { upper_bound };
-        let achieved_tolerance = if bounded.failure.is_some() { f64::INFINITY } else { achieved_tolerance };
+        let upper_bound = if bounded.failure.is_some() {
+            f64::INFINITY
+        } else {
+            upper_bound
+        };
+        let achieved_tolerance = if bounded.failure.is_some() {
+            f64::INFINITY
+        } else {
+            achieved_tolerance
+        };
         Ok(Certificate {
             value,
             omega: bounded.omega,
@@ -223,9 +251,15 @@ impl Problem<'_> {
         for omega in breaks.iter().copied().chain(middles).chain([peak]) {
             match self.direct(omega) {
                 Ok(response) => {
-                    let Some(value) = model(omega) else { return Ok(f64::INFINITY) };
+                    let Some(value) = model(omega) else {
+                        return Ok(f64::INFINITY);
+                    };
                     let difference = (response - value).norm();
-                    largest = if difference.is_nan() { f64::INFINITY } else { largest.max(difference) };
+                    largest = if difference.is_nan() {
+                        f64::INFINITY
+                    } else {
+                        largest.max(difference)
+                    };
                 }
                 Err(ResponseError::SingularAt { .. }) => {}
                 Err(error) => return Err(error),
@@ -251,7 +285,11 @@ impl Problem<'_> {
         let mut upper = best.0;
         let mut intervals = 0;
         let mut failure = None;
-        let mut stack: Vec<(f64, f64)> = breaks.windows(2).rev().map(|pair| (pair[0], pair[1])).collect();
+        let mut stack: Vec<(f64, f64)> = breaks
+            .windows(2)
+            .rev()
+            .map(|pair| (pair[0], pair[1]))
+            .collect();
         // Half of the tolerance is left to the difference between the ways of evaluating H.
         let slack = (1.0 + 0.5 * self.tolerance).powi(2);
         while let Some((from, to)) = stack.pop() {
@@ -283,7 +321,13 @@ impl Problem<'_> {
                 stack.push((from, middle));
             }
         }
-        Bounded { gamma: best.0.sqrt(), omega: best.1, upper: upper.sqrt(), intervals, failure }
+        Bounded {
+            gamma: best.0.sqrt(),
+            omega: best.1,
+            upper: upper.sqrt(),
+            intervals,
+            failure,
+        }
     }
 
     /// Newton steps uphill on |H|² within the band.
@@ -296,7 +340,9 @@ impl Problem<'_> {
         let mut omega = start.1;
         let mut reach = 0.05 * omega;
         for _ in 0..30 {
-            let Some((h, _)) = model(omega, 0.0) else { break };
+            let Some((h, _)) = model(omega, 0.0) else {
+                break;
+            };
             let square = h[0].norm_sqr();
             if square > best.0 {
                 best = (square, omega);
@@ -305,7 +351,11 @@ impl Problem<'_> {
             let curvature = 2.0 * (h[1].norm_sqr() + (h[0].conj() * h[2]).re);
             // 1/|H|² is nearly a parabola near a resonance: Newton's step for it.
             let inverse_curvature = 2.0 * slope * slope / square - curvature;
-            let step = if inverse_curvature > 0.0 { slope / inverse_curvature } else { reach * slope.signum() };
+            let step = if inverse_curvature > 0.0 {
+                slope / inverse_curvature
+            } else {
+                reach * slope.signum()
+            };
             let step = step.clamp(-reach, reach);
             let next = (omega + step).clamp(self.band.0, self.band.1);
             if !next.is_finite() || (next - omega).abs() <= 1e-15 * omega {

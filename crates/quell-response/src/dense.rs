@@ -83,21 +83,33 @@ pub(crate) struct Dense<T> {
 
 impl<T: Scalar> Dense<T> {
     pub(crate) fn zeros(rows: usize, columns: usize) -> Self {
-        Self { rows, columns, data: vec![T::ZERO; rows * columns] }
+        Self {
+            rows,
+            columns,
+            data: vec![T::ZERO; rows * columns],
+        }
     }
 
     pub(crate) fn identity(size: usize) -> Self {
         Self::from_fn(size, size, |i, j| if i == j { T::ONE } else { T::ZERO })
     }
 
-    pub(crate) fn from_fn(rows: usize, columns: usize, mut entry: impl FnMut(usize, usize) -> T) -> Self {
+    pub(crate) fn from_fn(
+        rows: usize,
+        columns: usize,
+        mut entry: impl FnMut(usize, usize) -> T,
+    ) -> Self {
         let mut data = Vec::with_capacity(rows * columns);
         for i in 0..rows {
             for j in 0..columns {
                 data.push(entry(i, j));
             }
         }
-        Self { rows, columns, data }
+        Self {
+            rows,
+            columns,
+            data,
+        }
     }
 
     pub(crate) fn rows(&self) -> usize {
@@ -145,12 +157,16 @@ impl<T: Scalar> Dense<T> {
 
     /// Largest modulus of an entry.
     pub(crate) fn largest(&self) -> f64 {
-        self.data.iter().fold(0.0, |largest, value| largest.max(value.modulus()))
+        self.data
+            .iter()
+            .fold(0.0, |largest, value| largest.max(value.modulus()))
     }
 
     /// The largest row sum of moduli.
     pub(crate) fn norm(&self) -> f64 {
-        (0..self.rows).map(|i| self.row(i).iter().map(|value| value.modulus()).sum::<f64>()).fold(0.0, f64::max)
+        (0..self.rows)
+            .map(|i| self.row(i).iter().map(|value| value.modulus()).sum::<f64>())
+            .fold(0.0, f64::max)
     }
 
     pub(crate) fn transpose(&self) -> Self {
@@ -158,7 +174,11 @@ impl<T: Scalar> Dense<T> {
     }
 
     pub(crate) fn map<U: Scalar>(&self, convert: impl Fn(T) -> U) -> Dense<U> {
-        Dense { rows: self.rows, columns: self.columns, data: self.data.iter().map(|&value| convert(value)).collect() }
+        Dense {
+            rows: self.rows,
+            columns: self.columns,
+            data: self.data.iter().map(|&value| convert(value)).collect(),
+        }
     }
 
     pub(crate) fn scale(&self, factor: f64) -> Self {
@@ -185,20 +205,44 @@ impl<T: Scalar> Dense<T> {
 
     pub(crate) fn plus(&self, other: &Self) -> Self {
         debug_assert_eq!((self.rows, self.columns), (other.rows, other.columns));
-        let data = self.data.iter().zip(&other.data).map(|(&a, &b)| a + b).collect();
-        Self { rows: self.rows, columns: self.columns, data }
+        let data = self
+            .data
+            .iter()
+            .zip(&other.data)
+            .map(|(&a, &b)| a + b)
+            .collect();
+        Self {
+            rows: self.rows,
+            columns: self.columns,
+            data,
+        }
     }
 
     pub(crate) fn minus(&self, other: &Self) -> Self {
         debug_assert_eq!((self.rows, self.columns), (other.rows, other.columns));
-        let data = self.data.iter().zip(&other.data).map(|(&a, &b)| a - b).collect();
-        Self { rows: self.rows, columns: self.columns, data }
+        let data = self
+            .data
+            .iter()
+            .zip(&other.data)
+            .map(|(&a, &b)| a - b)
+            .collect();
+        Self {
+            rows: self.rows,
+            columns: self.columns,
+            data,
+        }
     }
 
     /// The block of the given rows and columns.
-    pub(crate) fn block(&self, rows: std::ops::Range<usize>, columns: std::ops::Range<usize>) -> Self {
+    pub(crate) fn block(
+        &self,
+        rows: std::ops::Range<usize>,
+        columns: std::ops::Range<usize>,
+    ) -> Self {
         let (row, column) = (rows.start, columns.start);
-        Self::from_fn(rows.len(), columns.len(), |i, j| self.get(row + i, column + j))
+        Self::from_fn(rows.len(), columns.len(), |i, j| {
+            self.get(row + i, column + j)
+        })
     }
 
     /// Writes `block` with its first entry at (`row`, `column`).
@@ -232,7 +276,11 @@ pub(crate) struct Lu<T> {
 }
 
 fn power_of_two_inverse(value: f64) -> f64 {
-    if value > 0.0 && value.is_finite() { (-value.log2().round()).clamp(-1000.0, 1000.0).exp2() } else { 1.0 }
+    if value > 0.0 && value.is_finite() {
+        (-value.log2().round()).clamp(-1000.0, 1000.0).exp2()
+    } else {
+        1.0
+    }
 }
 
 impl<T: Scalar> Lu<T> {
@@ -244,7 +292,14 @@ impl<T: Scalar> Lu<T> {
         let n = matrix.rows;
         let mut factors = matrix.clone();
         let row_scale: Vec<f64> = (0..n)
-            .map(|i| power_of_two_inverse(factors.row(i).iter().fold(0.0, |m: f64, v| m.max(v.modulus()))))
+            .map(|i| {
+                power_of_two_inverse(
+                    factors
+                        .row(i)
+                        .iter()
+                        .fold(0.0, |m: f64, v| m.max(v.modulus())),
+                )
+            })
             .collect();
         for i in 0..n {
             for value in factors.row_mut(i) {
@@ -252,7 +307,11 @@ impl<T: Scalar> Lu<T> {
             }
         }
         let column_scale: Vec<f64> = (0..n)
-            .map(|j| power_of_two_inverse((0..n).fold(0.0, |m: f64, i| m.max(factors.get(i, j).modulus()))))
+            .map(|j| {
+                power_of_two_inverse(
+                    (0..n).fold(0.0, |m: f64, i| m.max(factors.get(i, j).modulus())),
+                )
+            })
             .collect();
         for i in 0..n {
             for (value, scale) in factors.row_mut(i).iter_mut().zip(&column_scale) {
@@ -261,9 +320,14 @@ impl<T: Scalar> Lu<T> {
         }
         let mut pivots = vec![0; n];
         for k in 0..n {
-            let pivot = (k..n).max_by(|&a, &b| factors.get(a, k).modulus().total_cmp(&factors.get(b, k).modulus()))?;
+            let pivot = (k..n).max_by(|&a, &b| {
+                factors
+                    .get(a, k)
+                    .modulus()
+                    .total_cmp(&factors.get(b, k).modulus())
+            })?;
             let size = factors.get(pivot, k).modulus();
-            if !(size > 1e-300) {
+            if size.is_nan() || size <= 1e-300 {
                 return None;
             }
             pivots[k] = pivot;
@@ -284,7 +348,12 @@ impl<T: Scalar> Lu<T> {
                 }
             }
         }
-        Some(Self { factors, pivots, row_scale, column_scale })
+        Some(Self {
+            factors,
+            pivots,
+            row_scale,
+            column_scale,
+        })
     }
 
     /// Smallest over largest pivot of the scaled matrix: a crude measure of how singular it is.
@@ -421,11 +490,19 @@ pub(crate) fn null_space(matrix: &Dense<f64>, tolerance: f64) -> NullSpace {
     }
     let mut pivots = pivot_of_row;
     pivots.sort_unstable();
-    NullSpace { pivots, free, basis }
+    NullSpace {
+        pivots,
+        free,
+        basis,
+    }
 }
 
 /// Rounds to the nearest integer where rounding errors are the only difference.
 pub(crate) fn snap(value: f64) -> f64 {
     let nearest = value.round();
-    if (value - nearest).abs() < 1e-11 { nearest } else { value }
+    if (value - nearest).abs() < 1e-11 {
+        nearest
+    } else {
+        value
+    }
 }

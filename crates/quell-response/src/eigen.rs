@@ -15,11 +15,15 @@ pub(crate) fn balance<T: Scalar>(matrix: &Dense<T>) -> (Dense<T>, Vec<f64>) {
     for _ in 0..60 {
         let mut changed = false;
         for i in 0..n {
-            let off = |sum: f64, j: usize, value: T| if j == i { sum } else { sum + value.modulus() };
+            let off =
+                |sum: f64, j: usize, value: T| if j == i { sum } else { sum + value.modulus() };
             let column = (0..n).fold(0.0, |sum, j| off(sum, j, balanced.get(j, i)));
             let row = (0..n).fold(0.0, |sum, j| off(sum, j, balanced.get(i, j)));
             if column > 0.0 && row > 0.0 {
-                let factor = ((row / column).log2() / 2.0).round().clamp(-500.0, 500.0).exp2();
+                let factor = ((row / column).log2() / 2.0)
+                    .round()
+                    .clamp(-500.0, 500.0)
+                    .exp2();
                 if (column * factor + row / factor) < 0.95 * (column + row) {
                     changed = true;
                     scale[i] *= factor;
@@ -44,7 +48,9 @@ fn check<T: Scalar>(matrix: &Dense<T>) -> Result<(), ResponseError> {
     if matrix.is_finite() {
         Ok(())
     } else {
-        Err(ResponseError::NotFinite { what: "the state matrix".into() })
+        Err(ResponseError::NotFinite {
+            what: "the state matrix".into(),
+        })
     }
 }
 
@@ -56,28 +62,44 @@ pub(crate) trait Decompose: Scalar {
 
 impl Decompose for f64 {
     fn eigenvalues(matrix: &Dense<Self>) -> Option<Vec<Complex64>> {
-        Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j)).eigenvalues().ok()
+        Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j))
+            .eigenvalues()
+            .ok()
     }
     fn eigen(matrix: &Dense<Self>) -> Option<(Vec<Complex64>, Mat<Complex64>)> {
-        let eigen =
-            faer::linalg::solvers::Eigen::new_from_real(Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j)).as_ref()).ok()?;
-        Some((eigen.S().column_vector().iter().copied().collect(), eigen.U().to_owned()))
+        let eigen = faer::linalg::solvers::Eigen::new_from_real(
+            Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j)).as_ref(),
+        )
+        .ok()?;
+        Some((
+            eigen.S().column_vector().iter().copied().collect(),
+            eigen.U().to_owned(),
+        ))
     }
 }
 
 impl Decompose for Complex64 {
     fn eigenvalues(matrix: &Dense<Self>) -> Option<Vec<Complex64>> {
-        Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j)).eigenvalues().ok()
+        Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j))
+            .eigenvalues()
+            .ok()
     }
     fn eigen(matrix: &Dense<Self>) -> Option<(Vec<Complex64>, Mat<Complex64>)> {
-        let eigen =
-            faer::linalg::solvers::Eigen::new(Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j)).as_ref()).ok()?;
-        Some((eigen.S().column_vector().iter().copied().collect(), eigen.U().to_owned()))
+        let eigen = faer::linalg::solvers::Eigen::new(
+            Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j)).as_ref(),
+        )
+        .ok()?;
+        Some((
+            eigen.S().column_vector().iter().copied().collect(),
+            eigen.U().to_owned(),
+        ))
     }
 }
 
 /// Eigenvalues alone, after balancing.
-pub(crate) fn eigenvalues<T: Decompose>(matrix: &Dense<T>) -> Result<Vec<Complex64>, ResponseError> {
+pub(crate) fn eigenvalues<T: Decompose>(
+    matrix: &Dense<T>,
+) -> Result<Vec<Complex64>, ResponseError> {
     check(matrix)?;
     if matrix.rows() == 0 {
         return Ok(Vec::new());
@@ -85,11 +107,15 @@ pub(crate) fn eigenvalues<T: Decompose>(matrix: &Dense<T>) -> Result<Vec<Complex
     let (balanced, _) = balance(matrix);
     T::eigenvalues(&balanced)
         .filter(|values| values.iter().all(|value| value.is_finite()))
-        .ok_or(ResponseError::Eigenvalues { size: matrix.rows() })
+        .ok_or(ResponseError::Eigenvalues {
+            size: matrix.rows(),
+        })
 }
 
 /// Eigenvalues and right eigenvectors (columns) in the matrix's own coordinates.
-pub(crate) fn eigen<T: Decompose>(matrix: &Dense<T>) -> Result<(Vec<Complex64>, Dense<Complex64>), ResponseError> {
+pub(crate) fn eigen<T: Decompose>(
+    matrix: &Dense<T>,
+) -> Result<(Vec<Complex64>, Dense<Complex64>), ResponseError> {
     check(matrix)?;
     let n = matrix.rows();
     if n == 0 {

@@ -51,7 +51,9 @@ pub enum ResponseError {
         help: String,
     },
     /// Several devices on one port have a part of this name.
-    #[error("more than one device on port `{port}` has a part called `{part}`; give the parts different names")]
+    #[error(
+        "more than one device on port `{port}` has a part called `{part}`; give the parts different names"
+    )]
     AmbiguousPart {
         /// The port.
         port: String,
@@ -77,7 +79,9 @@ pub enum ResponseError {
         found: usize,
     },
     /// An element value is negative, infinite or not a number.
-    #[error("element `{element}` has the value `{value}`; element values must be finite and not negative")]
+    #[error(
+        "element `{element}` has the value `{value}`; element values must be finite and not negative"
+    )]
     ElementValue {
         /// The element.
         element: String,
@@ -91,7 +95,9 @@ pub enum ResponseError {
         what: String,
     },
     /// The mass matrix is not symmetric.
-    #[error("the mass matrix of host `{host}` is not symmetric: entries ({row}, {column}) are `{upper}` and `{lower}`; kinetic energy needs a symmetric matrix")]
+    #[error(
+        "the mass matrix of host `{host}` is not symmetric: entries ({row}, {column}) are `{upper}` and `{lower}`; kinetic energy needs a symmetric matrix"
+    )]
     UnsymmetricMass {
         /// The host.
         host: String,
@@ -105,19 +111,25 @@ pub enum ResponseError {
         lower: f64,
     },
     /// A coordinate without mass, damper or spring.
-    #[error("nothing holds coordinate `{coordinate}`: it has no mass, and neither a damper nor a spring acts on it; give it a mass or attach it")]
+    #[error(
+        "nothing holds coordinate `{coordinate}`: it has no mass, and neither a damper nor a spring acts on it; give it a mass or attach it"
+    )]
     Floating {
         /// The coordinate.
         coordinate: String,
     },
     /// A massless, undamped coordinate that damping couples in one direction only.
-    #[error("coordinate `{coordinate}` has neither mass nor damping of its own, but the damping matrix couples it to others unsymmetrically, so its motion is not determined; give it a mass or a damper")]
+    #[error(
+        "coordinate `{coordinate}` has neither mass nor damping of its own, but the damping matrix couples it to others unsymmetrically, so its motion is not determined; give it a mass or a damper"
+    )]
     UnsymmetricDamping {
         /// The coordinate.
         coordinate: String,
     },
     /// A matrix that must be invertible is singular at these values.
-    #[error("{what} is singular at these element values; a value may be zero or far out of scale with the others")]
+    #[error(
+        "{what} is singular at these element values; a value may be zero or far out of scale with the others"
+    )]
     Singular {
         /// Which matrix.
         what: &'static str,
@@ -129,7 +141,9 @@ pub enum ResponseError {
         hz: f64,
     },
     /// The band of frequencies is empty or negative.
-    #[error("the band from {from} rad/s to {to} rad/s is empty; its upper edge must be positive and above the lower one, which must not be negative")]
+    #[error(
+        "the band from {from} rad/s to {to} rad/s is empty; its upper edge must be positive and above the lower one, which must not be negative"
+    )]
     Band {
         /// Lower edge, rad/s.
         from: f64,
@@ -147,7 +161,9 @@ pub enum ResponseError {
         range: &'static str,
     },
     /// An input given as a velocity or an acceleration makes an output drift.
-    #[error("output of host `{host}` drifts: input `{input}` is a velocity or an acceleration and the output has a pole at zero frequency (residue `{residue}`); watch a relative motion or a derivative instead")]
+    #[error(
+        "output of host `{host}` drifts: input `{input}` is a velocity or an acceleration and the output has a pole at zero frequency (residue `{residue}`); watch a relative motion or a derivative instead"
+    )]
     PoleAtZero {
         /// The host.
         host: String,
@@ -157,7 +173,9 @@ pub enum ResponseError {
         residue: f64,
     },
     /// A pole in the right half plane.
-    #[error("the system is unstable: an eigenvalue is {real} + {imaginary}j rad/s; a variance does not exist")]
+    #[error(
+        "the system is unstable: an eigenvalue is {real} + {imaginary}j rad/s; a variance does not exist"
+    )]
     Unstable {
         /// Real part, rad/s.
         real: f64,
@@ -165,13 +183,17 @@ pub enum ResponseError {
         imaginary: f64,
     },
     /// A pole on the imaginary axis that the output sees.
-    #[error("the system has an undamped mode at {hz} Hz that the output sees, so its variance is infinite; add damping or leave the frequency out of the band")]
+    #[error(
+        "the system has an undamped mode at {hz} Hz that the output sees, so its variance is infinite; add damping or leave the frequency out of the band"
+    )]
     Undamped {
         /// Frequency, Hz.
         hz: f64,
     },
     /// The transfer function does not vanish at infinite frequency.
-    #[error("the response to white noise over all frequencies has no finite variance: the transfer function tends to `{limit}`{growing} at high frequency; give a band or a spectrum, or watch another output")]
+    #[error(
+        "the response to white noise over all frequencies has no finite variance: the transfer function tends to `{limit}`{growing} at high frequency; give a band or a spectrum, or watch another output"
+    )]
     NotStrictlyProper {
         /// Its limit (or the leading coefficient).
         limit: f64,
@@ -179,7 +201,9 @@ pub enum ResponseError {
         growing: &'static str,
     },
     /// A complex stiffness is only defined for harmonic motion.
-    #[error("host `{host}` has loss factors (complex stiffness), which are only defined for harmonic motion; {task} needs viscous damping instead")]
+    #[error(
+        "host `{host}` has loss factors (complex stiffness), which are only defined for harmonic motion; {task} needs viscous damping instead"
+    )]
     LossFactors {
         /// The host.
         host: String,
@@ -193,7 +217,9 @@ pub enum ResponseError {
         size: usize,
     },
     /// A spectrum is negative or not finite.
-    #[error("the spectrum is `{value}` at {hz} Hz; a spectral density must be finite and not negative")]
+    #[error(
+        "the spectrum is `{value}` at {hz} Hz; a spectral density must be finite and not negative"
+    )]
     Spectrum {
         /// Frequency, Hz.
         hz: f64,

@@ -33,7 +33,11 @@ pub struct PlanSettings {
 
 impl Default for PlanSettings {
     fn default() -> Self {
-        Self { points: 100, peaks: 8, tolerance: 1e-9 }
+        Self {
+            points: 100,
+            peaks: 8,
+            tolerance: 1e-9,
+        }
     }
 }
 
@@ -163,21 +167,37 @@ impl Plan {
         let band = checked_band(band)?;
         if settings.points < 8 {
             let value = settings.points as f64;
-            return Err(ResponseError::Setting { name: "points", value, range: "at least 8" });
+            return Err(ResponseError::Setting {
+                name: "points",
+                value,
+                range: "at least 8",
+            });
         }
         if settings.peaks == 0 {
-            return Err(ResponseError::Setting { name: "peaks", value: 0.0, range: "at least 1" });
+            return Err(ResponseError::Setting {
+                name: "peaks",
+                value: 0.0,
+                range: "at least 1",
+            });
         }
         if !(settings.tolerance >= 1e-14 && settings.tolerance < 1.0) {
             let value = settings.tolerance;
-            return Err(ResponseError::Setting { name: "tolerance", value, range: "from 1e-14 to 1" });
+            return Err(ResponseError::Setting {
+                name: "tolerance",
+                value,
+                range: "from 1e-14 to 1",
+            });
         }
         let mut used: Vec<usize> = assembly.devices.iter().map(|device| device.port).collect();
         used.sort_unstable();
         used.dedup();
         let ports: Vec<Vec<usize>> = used
             .iter()
-            .map(|&port| (0..assembly.devices.len()).filter(|&d| assembly.devices[d].port == port).collect())
+            .map(|&port| {
+                (0..assembly.devices.len())
+                    .filter(|&d| assembly.devices[d].port == port)
+                    .collect()
+            })
             .collect();
         // Checks every signal, whatever path evaluates it.
         let terms = assembly.output_terms(form)?;
@@ -186,14 +206,23 @@ impl Plan {
         let mut plain = LinearForm::default();
         for (signal, coefficient) in &form.terms {
             match signal {
-                Signal::Coordinate { .. } | Signal::Input { .. } => plain.terms.push((signal.clone(), *coefficient)),
+                Signal::Coordinate { .. } | Signal::Input { .. } => {
+                    plain.terms.push((signal.clone(), *coefficient))
+                }
                 Signal::PortForce { index } => {
                     if let Some(place) = used.iter().position(|port| port == index) {
                         gamma[place] += coefficient;
                     }
                 }
                 Signal::PartStroke { port, part, order } => {
-                    parts.push(part_term(assembly, *port, part, false, *order, *coefficient)?);
+                    parts.push(part_term(
+                        assembly,
+                        *port,
+                        part,
+                        false,
+                        *order,
+                        *coefficient,
+                    )?);
                 }
                 Signal::PartForce { port, part } => {
                     parts.push(part_term(assembly, *port, part, true, 0, *coefficient)?);
@@ -220,7 +249,10 @@ impl Plan {
 
     /// The band, rad/s.
     pub fn band(&self) -> (f64, f64) {
-        (self.omegas.first().copied().unwrap_or(0.0), self.omegas.last().copied().unwrap_or(0.0))
+        (
+            self.omegas.first().copied().unwrap_or(0.0),
+            self.omegas.last().copied().unwrap_or(0.0),
+        )
     }
 
     /// The grid, rad/s, ascending.
@@ -239,7 +271,12 @@ impl Plan {
     /// Where the host is singular at one of them whatever the devices do.
     pub fn add_frequencies(&mut self, omegas: &[f64]) -> Result<(), ResponseError> {
         let (low, high) = self.band();
-        self.omegas.extend(omegas.iter().copied().filter(|omega| *omega > low && *omega < high));
+        self.omegas.extend(
+            omegas
+                .iter()
+                .copied()
+                .filter(|omega| *omega > low && *omega < high),
+        );
         self.omegas.sort_by(f64::total_cmp);
         self.omegas.dedup_by(|b, a| *b - *a <= 1e-10 * *b);
         self.precompute()
@@ -259,8 +296,12 @@ impl Plan {
             if self.ports.len() == 1 {
                 let k = constants(&point, self.gamma[0]);
                 let lists = &mut self.bilinear;
-                for (list, value) in [(&mut lists.a, k.a), (&mut lists.b, k.b), (&mut lists.c, k.c), (&mut lists.e, k.e)]
-                {
+                for (list, value) in [
+                    (&mut lists.a, k.a),
+                    (&mut lists.b, k.b),
+                    (&mut lists.c, k.c),
+                    (&mut lists.e, k.e),
+                ] {
                     list[0].push(value.re);
                     list[1].push(value.im);
                 }
@@ -275,7 +316,10 @@ impl Plan {
     /// H(jω) at any frequencies (rad/s, positive) of the band or outside of it; not-a-number where values do not fit.
     pub fn response(&self, values: &[f64], omegas: &[f64]) -> Vec<Complex64> {
         let mut scratch = Scratch::new();
-        omegas.iter().map(|&omega| self.evaluate(values, omega, &mut scratch)).collect()
+        omegas
+            .iter()
+            .map(|&omega| self.evaluate(values, omega, &mut scratch))
+            .collect()
     }
 
     /// H(jω) at one frequency, rad/s, without allocation.
@@ -284,8 +328,17 @@ impl Plan {
     }
 
     /// H(jω) and the characteristic factor whose zeros are the poles.
-    fn evaluate_with_factor(&self, values: &[f64], omega: f64, scratch: &mut Scratch) -> (Complex64, Complex64) {
-        if values.len() != self.assembly.elements || !self.channel.solve(omega, &mut scratch.work, &mut scratch.host) {
+    fn evaluate_with_factor(
+        &self,
+        values: &[f64],
+        omega: f64,
+        scratch: &mut Scratch,
+    ) -> (Complex64, Complex64) {
+        if values.len() != self.assembly.elements
+            || !self
+                .channel
+                .solve(omega, &mut scratch.work, &mut scratch.host)
+        {
             let nothing = Complex64::new(f64::NAN, f64::NAN);
             return (nothing, nothing);
         }
@@ -320,9 +373,19 @@ impl Plan {
             let mut shared = false;
             for term in self.parts.iter().filter(|term| term.device == index) {
                 scratch.shares.resize(1, PartShare::default());
-                device.network.part_shares(&[term.part], omega, own, &mut scratch.workspace, &mut scratch.shares);
+                device.network.part_shares(
+                    &[term.part],
+                    omega,
+                    own,
+                    &mut scratch.workspace,
+                    &mut scratch.shares,
+                );
                 let share = scratch.shares[0];
-                let amount = if term.force { share.force } else { share.stroke };
+                let amount = if term.force {
+                    share.force
+                } else {
+                    share.stroke
+                };
                 from_parts += amount * powers_of(omega, term.order) * term.coefficient;
                 (n, d, shared) = (share.numerator, share.denominator, true);
             }
@@ -357,9 +420,13 @@ impl Plan {
             let (n, d, watched) = self.port_pair(r, values, omega, scratch);
             let excess = n - host.nominal[r] * d;
             // Row over ξ = x/Den of this port's output.
-            pairs[r] = (watched + n * self.gamma[r] - host.alpha[r] * excess, Complex64::ZERO);
+            pairs[r] = (
+                watched + n * self.gamma[r] - host.alpha[r] * excess,
+                Complex64::ZERO,
+            );
             for q in 0..p {
-                small[q * width + r] = host.g[q * p + r] * excess + if q == r { d } else { Complex64::ZERO };
+                small[q * width + r] =
+                    host.g[q * p + r] * excess + if q == r { d } else { Complex64::ZERO };
             }
         }
         for r in 0..p {
@@ -393,7 +460,10 @@ impl Plan {
                     let at = |list: &[Vec<f64>; 2]| Complex64::new(list[0][i], list[1][i]);
                     let (n, d, parts) = self.port_pair(0, values, omega, scratch);
                     let factor = at(&b.c) * n + at(&b.e) * d;
-                    ((at(&b.a) * n + at(&b.b) * d + parts * b.x0[i]) / factor, factor)
+                    (
+                        (at(&b.a) * n + at(&b.b) * d + parts * b.x0[i]) / factor,
+                        factor,
+                    )
                 } else {
                     self.coupled(&self.points[i], values, omega, scratch)
                 };
@@ -407,16 +477,35 @@ impl Plan {
         scratch.grids.resize_with(devices.len(), RatioGrid::new);
         for (&index, grid) in devices.iter().zip(&mut scratch.grids) {
             let device = &self.assembly.devices[index];
-            device.network.ratio_grid(&self.omegas, device.values(values), &mut scratch.workspace, grid);
+            device.network.ratio_grid(
+                &self.omegas,
+                device.values(values),
+                &mut scratch.workspace,
+                grid,
+            );
         }
         if devices.len() > 1 {
             combine(&scratch.grids, &mut scratch.combined);
             let [nr, ni, dr, di] = &scratch.combined;
-            bilinear_sweep(&self.bilinear, [nr, ni, dr, di], &mut scratch.square, &mut scratch.factor);
+            bilinear_sweep(
+                &self.bilinear,
+                [nr, ni, dr, di],
+                &mut scratch.square,
+                &mut scratch.factor,
+            );
         } else if let Some(grid) = scratch.grids.first() {
-            let lists =
-                [&grid.numerator_re[..], &grid.numerator_im, &grid.denominator_re, &grid.denominator_im];
-            bilinear_sweep(&self.bilinear, lists, &mut scratch.square, &mut scratch.factor);
+            let lists = [
+                &grid.numerator_re[..],
+                &grid.numerator_im,
+                &grid.denominator_re,
+                &grid.denominator_im,
+            ];
+            bilinear_sweep(
+                &self.bilinear,
+                lists,
+                &mut scratch.square,
+                &mut scratch.factor,
+            );
         }
         for value in &mut scratch.square {
             *value = finite_square(*value);
@@ -457,14 +546,26 @@ impl Plan {
             }
             let middle = sample(square, i);
             if i == 0 || i == last {
-                candidates.push(Candidate { promise: middle.1, left: middle, middle, right: middle, edge: true });
+                candidates.push(Candidate {
+                    promise: middle.1,
+                    left: middle,
+                    middle,
+                    right: middle,
+                    edge: true,
+                });
                 continue;
             }
             let (left, right) = (sample(square, i - 1), sample(square, i + 1));
             let predicted = vertex(left, middle, right).max(0.0);
             // Half as much again may be gained, because a peak between points can be sharper than its parabola.
             let promise = (predicted - 0.5 * (middle.1 - predicted)).max(0.0);
-            candidates.push(Candidate { promise, left, middle, right, edge: false });
+            candidates.push(Candidate {
+                promise,
+                left,
+                middle,
+                right,
+                edge: false,
+            });
         }
         // Maxima between the edge and its neighbour.
         for (edge, next) in [(0, 1), (last, last - 1)] {
@@ -478,10 +579,23 @@ impl Plan {
                 // φ falls on entering the band: the maximum lies inside.
                 if slope * h.signum() < 0.0 {
                     let omega = at.0 + 0.2 * h;
-                    let middle = (omega, 1.0 / finite_square(self.evaluate(values, omega, scratch).norm_sqr()));
+                    let middle = (
+                        omega,
+                        1.0 / finite_square(self.evaluate(values, omega, scratch).norm_sqr()),
+                    );
                     if middle.1 < at.1 {
-                        let (left, right) = if edge == 0 { (at, beside) } else { (beside, at) };
-                        candidates.push(Candidate { promise: 0.0, left, middle, right, edge: false });
+                        let (left, right) = if edge == 0 {
+                            (at, beside)
+                        } else {
+                            (beside, at)
+                        };
+                        candidates.push(Candidate {
+                            promise: 0.0,
+                            left,
+                            middle,
+                            right,
+                            edge: false,
+                        });
                     }
                     break;
                 }
@@ -493,10 +607,17 @@ impl Plan {
 
     /// The resonance between grid points i and i + 1, between which the characteristic factor turns by more than a quarter.
     fn hidden_peak(&self, values: &[f64], i: usize, scratch: &mut Scratch) -> Option<Candidate> {
-        let factor = |scratch: &Scratch, at: usize| Complex64::new(scratch.factor[0][at], scratch.factor[1][at]);
-        let (mut low, mut high) = ((self.omegas[i], factor(scratch, i)), (self.omegas[i + 1], factor(scratch, i + 1)));
-        let (left, right) =
-            ((low.0, 1.0 / scratch.square[i]), (high.0, 1.0 / scratch.square[i + 1]));
+        let factor = |scratch: &Scratch, at: usize| {
+            Complex64::new(scratch.factor[0][at], scratch.factor[1][at])
+        };
+        let (mut low, mut high) = (
+            (self.omegas[i], factor(scratch, i)),
+            (self.omegas[i + 1], factor(scratch, i + 1)),
+        );
+        let (left, right) = (
+            (low.0, 1.0 / scratch.square[i]),
+            (high.0, 1.0 / scratch.square[i + 1]),
+        );
         let mut best = if left.1 < right.1 { left } else { right };
         let mut width = 0.0;
         // The factor passes the origin almost on a straight line; along it, its projection changes sign.
@@ -544,7 +665,13 @@ impl Plan {
             }
         }
         // A parabola through far points says nothing about a narrow peak: always refine.
-        Some(Candidate { promise: 0.0, left: below, middle: best, right: above, edge: false })
+        Some(Candidate {
+            promise: 0.0,
+            left: below,
+            middle: best,
+            right: above,
+            edge: false,
+        })
     }
 
     /// Refines all candidates that may come within `margin` of the largest; leaves them in `scratch.refined`.
@@ -570,18 +697,28 @@ impl Plan {
                 candidate.middle
             } else {
                 count += 1;
-                minimise(candidate.left, candidate.middle, candidate.right, self.settings.tolerance, |omega| {
-                    1.0 / finite_square(self.evaluate(values, omega, scratch).norm_sqr())
-                })
+                minimise(
+                    candidate.left,
+                    candidate.middle,
+                    candidate.right,
+                    self.settings.tolerance,
+                    |omega| 1.0 / finite_square(self.evaluate(values, omega, scratch).norm_sqr()),
+                )
             };
             if sample.1 < best.1 {
                 best = sample;
             }
-            refined.push(Peak { value: sample.1.sqrt().recip(), omega: sample.0 });
+            refined.push(Peak {
+                value: sample.1.sqrt().recip(),
+                omega: sample.0,
+            });
         }
         scratch.candidates = candidates;
         scratch.refined = refined;
-        Peak { value: best.1.sqrt().recip(), omega: best.0 }
+        Peak {
+            value: best.1.sqrt().recip(),
+            omega: best.0,
+        }
     }
 
     /// max |H| over the band: the grid, then the largest local maxima refined with true evaluations.
@@ -590,7 +727,10 @@ impl Plan {
     /// characteristic factor's phase; two of them in one gap can still be missed, and [`crate::certify`] tells.
     pub fn peak(&self, values: &[f64], scratch: &mut Scratch) -> Peak {
         if values.len() != self.assembly.elements {
-            return Peak { value: f64::NAN, omega: f64::NAN };
+            return Peak {
+                value: f64::NAN,
+                omega: f64::NAN,
+            };
         }
         self.refine(values, 0.0, scratch)
     }
@@ -640,12 +780,22 @@ impl Plan {
         let response = if self.parts.is_empty() && !self.ports.is_empty() {
             self.device_gradient(values, omega, scratch, &mut derivative)
         } else {
-            self.assembly.direct_terms(values, self.channel.input(), &self.terms, omega, Some(&mut derivative))
+            self.assembly.direct_terms(
+                values,
+                self.channel.input(),
+                &self.terms,
+                omega,
+                Some(&mut derivative),
+            )
         };
         let outcome = response.map(|response| {
             let size = response.norm();
             for (target, derivative) in gradient.iter_mut().zip(&derivative) {
-                *target = if size > 0.0 { (response.conj() * derivative).re / size } else { 0.0 };
+                *target = if size > 0.0 {
+                    (response.conj() * derivative).re / size
+                } else {
+                    0.0
+                };
             }
         });
         scratch.derivative = derivative;
@@ -660,14 +810,22 @@ impl Plan {
         scratch: &mut Scratch,
         derivative: &mut [Complex64],
     ) -> Result<Complex64, ResponseError> {
-        let singular = || ResponseError::SingularAt { hz: omega / std::f64::consts::TAU };
+        let singular = || ResponseError::SingularAt {
+            hz: omega / std::f64::consts::TAU,
+        };
         let p = self.ports.len();
-        if !self.channel.solve(omega, &mut scratch.work, &mut scratch.host) {
+        if !self
+            .channel
+            .solve(omega, &mut scratch.work, &mut scratch.host)
+        {
             return Err(singular());
         }
         // One sweep of every network gives N, Den and Den² dD/dvalue with one common factor.
         let mut pairs = std::mem::take(&mut scratch.pairs);
-        pairs.resize(self.assembly.devices.len(), (Complex64::ZERO, Complex64::ONE));
+        pairs.resize(
+            self.assembly.devices.len(),
+            (Complex64::ZERO, Complex64::ONE),
+        );
         for (device, pair) in self.assembly.devices.iter().zip(&mut pairs) {
             let place = device.first_value..device.first_value + device.network.elements().len();
             *pair = device.network.gradient_ratio(
@@ -679,10 +837,12 @@ impl Plan {
         }
         let host = &scratch.host;
         let joint = |r: usize| {
-            self.ports[r].iter().fold((Complex64::ZERO, Complex64::ONE), |(n, d), &index| {
-                let (own_n, own_d) = pairs[index];
-                (n * own_d + own_n * d, d * own_d)
-            })
+            self.ports[r]
+                .iter()
+                .fold((Complex64::ZERO, Complex64::ONE), |(n, d), &index| {
+                    let (own_n, own_d) = pairs[index];
+                    (n * own_d + own_n * d, d * own_d)
+                })
         };
         // A ξ = x0 and νᵀ A = wᵀ, A = diag(Den) + G diag(N - d Den); one factorisation each, p is small.
         let width = p + 1;
@@ -704,14 +864,18 @@ impl Plan {
             response += adjoint[r * width + p] * Complex64::ZERO;
         }
         let output: Vec<Complex64> = (0..p).map(|r| adjoint[r * width + p]).collect();
-        if eliminate(&mut forward, p, width).is_none() || eliminate(&mut adjoint, p, width).is_none() {
+        if eliminate(&mut forward, p, width).is_none()
+            || eliminate(&mut adjoint, p, width).is_none()
+        {
             return Err(singular());
         }
         for r in 0..p {
             response += output[r] * forward[r * width + p];
         }
         for r in 0..p {
-            let back: Complex64 = (0..p).map(|q| adjoint[q * width + p] * host.g[q * p + r]).sum();
+            let back: Complex64 = (0..p)
+                .map(|q| adjoint[q * width + p] * host.g[q * p + r])
+                .sum();
             // dH/dD = ξ Den (γ - α - ν G); dD/dvalue = out/Den_device², and ξ = (..)/Den.
             let slope = forward[r * width + p] * (self.gamma[r] - host.alpha[r] - back);
             for &index in &self.ports[r] {
@@ -721,8 +885,8 @@ impl Plan {
                     .filter(|&&other| other != index)
                     .fold(Complex64::ONE, |product, &other| product * pairs[other].1);
                 let factor = slope * others / pairs[index].1;
-                for entry in
-                    &mut derivative[device.first_value..device.first_value + device.network.elements().len()]
+                for entry in &mut derivative
+                    [device.first_value..device.first_value + device.network.elements().len()]
                 {
                     *entry *= factor;
                 }
@@ -746,7 +910,13 @@ impl Plan {
 fn constants(point: &HostPoint, gamma: f64) -> Constants {
     let (d, g, x0, alpha) = (point.nominal[0], point.g[0], point.x0[0], point.alpha[0]);
     let e = 1.0 - g * d;
-    Constants { a: point.y0 * g + (gamma - alpha) * x0, b: point.y0 * e + alpha * d * x0, c: g, e, x0 }
+    Constants {
+        a: point.y0 * g + (gamma - alpha) * x0,
+        b: point.y0 * e + alpha * d * x0,
+        c: g,
+        e,
+        x0,
+    }
 }
 
 #[inline]
@@ -754,7 +924,12 @@ fn finite_square(value: f64) -> f64 {
     if value.is_nan() { f64::INFINITY } else { value }
 }
 
-fn bilinear_sweep(host: &Bilinear, device: [&[f64]; 4], square: &mut [f64], factor: &mut [Vec<f64>; 2]) {
+fn bilinear_sweep(
+    host: &Bilinear,
+    device: [&[f64]; 4],
+    square: &mut [f64],
+    factor: &mut [Vec<f64>; 2],
+) {
     let count = square.len();
     let [nr, ni, dr, di] = device.map(|list| &list[..count]);
     let (ar, ai) = (&host.a[0][..count], &host.a[1][..count]);
@@ -807,9 +982,18 @@ fn part_term(
         part: name.to_owned(),
         help: "check the name".to_owned(),
     };
-    let device = assembly.devices.iter().position(|device| device.first_value == found.first_value && device.port == port);
+    let device = assembly
+        .devices
+        .iter()
+        .position(|device| device.first_value == found.first_value && device.port == port);
     let part = found.network.part(name).ok_or_else(unknown)?;
-    Ok(PartTerm { device: device.ok_or_else(unknown)?, part, force, order, coefficient })
+    Ok(PartTerm {
+        device: device.ok_or_else(unknown)?,
+        part,
+        force,
+        order,
+        coefficient,
+    })
 }
 
 /// Checks a band and moves a lower edge of zero to 1e-6 of the upper one.
@@ -842,7 +1026,15 @@ fn grid(assembly: &Assembly, band: (f64, f64), points: usize) -> Vec<f64> {
     {
         for mode in modes.iter().filter(|mode| mode.im > 0.0).take(30) {
             let (centre, width) = (mode.im, (-mode.re).max(1e-3 * mode.im));
-            for offset in [-0.03 * centre, -0.01 * centre, -width, 0.0, width, 0.01 * centre, 0.03 * centre] {
+            for offset in [
+                -0.03 * centre,
+                -0.01 * centre,
+                -width,
+                0.0,
+                width,
+                0.01 * centre,
+                0.03 * centre,
+            ] {
                 omegas.push(centre + offset);
             }
         }

@@ -47,7 +47,16 @@ pub struct Modes {
 impl Modes {
     /// Number of eigenvalues: two for each oscillatory mode.
     pub fn count(&self) -> usize {
-        self.modes.iter().map(|mode| if mode.kind == ModeKind::Oscillatory { 2 } else { 1 }).sum()
+        self.modes
+            .iter()
+            .map(|mode| {
+                if mode.kind == ModeKind::Oscillatory {
+                    2
+                } else {
+                    1
+                }
+            })
+            .sum()
     }
 
     /// Every eigenvalue, rad/s, conjugates included.
@@ -64,8 +73,13 @@ impl Modes {
 
     /// The largest real part of any eigenvalue that is no rigid-body mode (the stability margin is its negative), rad/s.
     pub fn growth(&self) -> Option<f64> {
-        let motions = self.modes.iter().filter(|mode| mode.kind != ModeKind::RigidBody);
-        motions.map(|mode| mode.eigenvalue.re).max_by(f64::total_cmp)
+        let motions = self
+            .modes
+            .iter()
+            .filter(|mode| mode.kind != ModeKind::RigidBody);
+        motions
+            .map(|mode| mode.eigenvalue.re)
+            .max_by(f64::total_cmp)
     }
 
     /// The least damping ratio of all modes that are no rigid-body mode, or of the oscillatory ones alone.
@@ -73,7 +87,9 @@ impl Modes {
         let considered = self.modes.iter().filter(|mode| {
             mode.kind == ModeKind::Oscillatory || (!oscillatory_only && mode.kind == ModeKind::Real)
         });
-        considered.map(|mode| mode.damping_ratio).min_by(f64::total_cmp)
+        considered
+            .map(|mode| mode.damping_ratio)
+            .min_by(f64::total_cmp)
     }
 }
 
@@ -87,7 +103,10 @@ impl Assembly {
         self.no_loss("a mode")?;
         let space = self.state_space(&self.deflated, values, 1.0_f64, |k, _| k)?;
         let (eigenvalues, vectors) = eigen(&space.a)?;
-        let positions = space.z[0].state.map(|value| Complex64::new(value, 0.0)).times(&vectors);
+        let positions = space.z[0]
+            .state
+            .map(|value| Complex64::new(value, 0.0))
+            .times(&vectors);
         let mut modes: Vec<Mode> = self
             .rigid_body_shapes()
             .into_iter()
@@ -103,13 +122,21 @@ impl Assembly {
             if eigenvalue.im < 0.0 {
                 continue;
             }
-            let kind = if eigenvalue.im == 0.0 { ModeKind::Real } else { ModeKind::Oscillatory };
+            let kind = if eigenvalue.im == 0.0 {
+                ModeKind::Real
+            } else {
+                ModeKind::Oscillatory
+            };
             let size = eigenvalue.norm();
             let shape = (0..self.size).map(|i| positions.get(i, index)).collect();
             modes.push(Mode {
                 eigenvalue,
                 frequency_hz: size / TAU,
-                damping_ratio: if size > 0.0 { -eigenvalue.re / size } else { 0.0 },
+                damping_ratio: if size > 0.0 {
+                    -eigenvalue.re / size
+                } else {
+                    0.0
+                },
                 kind,
                 shape: self.normalised(shape),
             });
@@ -135,7 +162,10 @@ impl Assembly {
     fn normalised(&self, mut shape: Vec<Complex64>) -> Vec<Complex64> {
         let hosts = self.host.coordinates.len();
         let largest = |part: &[Complex64]| {
-            part.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm())).filter(|value| value.norm() > 0.0)
+            part.iter()
+                .copied()
+                .max_by(|a, b| a.norm().total_cmp(&b.norm()))
+                .filter(|value| value.norm() > 0.0)
         };
         let all = largest(&shape);
         // A motion of internal nodes alone is normalised to its own largest entry.
@@ -156,9 +186,12 @@ impl Assembly {
         let hosts = self.host.coordinates.len();
         let structure = &self.deflated;
         let column = |matrix: &Dense<f64>, j: usize| -> Vec<Complex64> {
-            (0..self.size).map(|i| Complex64::new(matrix.get(i, j), 0.0)).collect()
+            (0..self.size)
+                .map(|i| Complex64::new(matrix.get(i, j), 0.0))
+                .collect()
         };
-        let moves_host = |shape: &Vec<Complex64>| shape[..hosts].iter().any(|value| value.norm() > 1e-9);
+        let moves_host =
+            |shape: &Vec<Complex64>| shape[..hosts].iter().any(|value| value.norm() > 1e-9);
         let mut shapes: Vec<Vec<Complex64>> = Vec::new();
         for j in 0..structure.counts[0] {
             let shape = column(&structure.transform, j);
@@ -180,6 +213,9 @@ impl Assembly {
             }
         }
         shapes.resize(count, vec![Complex64::ZERO; self.size]);
-        shapes.into_iter().map(|shape| self.normalised(shape)).collect()
+        shapes
+            .into_iter()
+            .map(|shape| self.normalised(shape))
+            .collect()
     }
 }

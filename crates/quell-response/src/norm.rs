@@ -72,34 +72,49 @@ pub fn h2(
         return Err(ResponseError::Band { from, to });
     }
     let (residues, channel) = if assembly.loss.is_some() {
-        let space = assembly.state_space(&assembly.structure, values, Complex64::ONE, Complex64::new)?;
-        (Residues::new(&space.channel(assembly, values, input, &terms)?)?, None)
+        let space =
+            assembly.state_space(&assembly.structure, values, Complex64::ONE, Complex64::new)?;
+        (
+            Residues::new(&space.channel(assembly, values, input, &terms)?)?,
+            None,
+        )
     } else {
         let space = assembly.state_space(&assembly.structure, values, 1.0_f64, |k, _| k)?;
         let channel = space.channel(assembly, values, input, &terms)?;
         (Residues::new(&channel)?, Some(channel))
     };
-    let poles: Vec<Complex64> = residues.as_ref().map_or_else(Vec::new, |residues| residues.poles.clone());
-    let scale = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
-    let seen: Vec<Complex64> = residues
+    let poles: Vec<Complex64> = residues
         .as_ref()
-        .map_or_else(|| poles.clone(), |residues| residues.terms.iter().map(|term| term.0).collect());
+        .map_or_else(Vec::new, |residues| residues.poles.clone());
+    let scale = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    let seen: Vec<Complex64> = residues.as_ref().map_or_else(
+        || poles.clone(),
+        |residues| residues.terms.iter().map(|term| term.0).collect(),
+    );
     // Loss factors make poles of negative frequency look unstable: only ω > 0 has a meaning there.
     let relevant = |pole: &&Complex64| assembly.loss.is_none() || pole.im > 0.0;
     for pole in seen.iter().filter(relevant) {
         let margin = UNDAMPED * pole.norm().max(1e-6 * scale);
         if pole.re > margin {
-            return Err(ResponseError::Unstable { real: pole.re, imaginary: pole.im });
+            return Err(ResponseError::Unstable {
+                real: pole.re,
+                imaginary: pole.im,
+            });
         }
         let frequency = pole.im.abs();
         let inside = band.is_none_or(|(from, to)| frequency >= from && frequency <= to);
         if inside && pole.re > -margin {
-            return Err(ResponseError::Undamped { hz: frequency / TAU });
+            return Err(ResponseError::Undamped {
+                hz: frequency / TAU,
+            });
         }
     }
     for pole in poles.iter().filter(relevant) {
         if pole.re > 1e-8 * pole.norm().max(1e-3 * scale) {
-            return Err(ResponseError::Unstable { real: pole.re, imaginary: pole.im });
+            return Err(ResponseError::Unstable {
+                real: pole.re,
+                imaginary: pole.im,
+            });
         }
     }
     let direct = |omega: f64| {
@@ -115,29 +130,51 @@ pub fn h2(
             Some(spectrum) => {
                 let value = spectrum(omega);
                 if !(value.is_finite() && value >= 0.0) {
-                    return Err(ResponseError::Spectrum { hz: omega / TAU, value });
+                    return Err(ResponseError::Spectrum {
+                        hz: omega / TAU,
+                        value,
+                    });
                 }
                 value
             }
         };
         Ok(response.norm_sqr() * weight)
     };
-    let resonances: Vec<Complex64> = poles.iter().copied().filter(|pole| pole.im >= 0.0).collect();
+    let resonances: Vec<Complex64> = poles
+        .iter()
+        .copied()
+        .filter(|pole| pole.im >= 0.0)
+        .collect();
     // Two-sided without a spectrum: (1/2π) 2 ∫; with one: ∫ df = (1/2π) ∫ dω.
-    let factor = if spectrum.is_some() { 1.0 / TAU } else { 1.0 / PI };
+    let factor = if spectrum.is_some() {
+        1.0 / TAU
+    } else {
+        1.0 / PI
+    };
     let integral = if let Some((from, to)) = band {
         let low = from.max(if from == 0.0 { 1e-12 * to } else { from });
         integrate(&breakpoints(&resonances, low, to), TOLERANCE, 4000, direct)?
     } else {
         let high = if scale > 0.0 { 4.0 * scale } else { 1.0 };
         proper(residues.as_ref(), channel.as_ref(), spectrum, high, &direct)?;
-        let least = resonances.iter().map(|pole| pole.norm()).filter(|size| *size > 0.0).fold(high, f64::min);
+        let least = resonances
+            .iter()
+            .map(|pole| pole.norm())
+            .filter(|size| *size > 0.0)
+            .fold(high, f64::min);
         let mut breaks = breakpoints(&resonances, 1e-9 * least, high);
         breaks.insert(0, 0.0);
-        let below: Integral = integrate(&breaks, TOLERANCE, 4000, |omega| direct(omega.max(1e-12 * least)))?;
+        let below: Integral = integrate(&breaks, TOLERANCE, 4000, |omega| {
+            direct(omega.max(1e-12 * least))
+        })?;
         // ω = high/t on the tail.
-        let above = integrate(&[0.0, 0.1, 1.0], TOLERANCE, 500, |t: f64| Ok(direct(high / t)? * high / (t * t)))?;
-        Integral { value: below.value + above.value, error: below.error + above.error }
+        let above = integrate(&[0.0, 0.1, 1.0], TOLERANCE, 500, |t: f64| {
+            Ok(direct(high / t)? * high / (t * t))
+        })?;
+        Integral {
+            value: below.value + above.value,
+            error: below.error + above.error,
+        }
     };
     let quadrature = Norm {
         squared: factor * integral.value,
@@ -151,8 +188,14 @@ pub fn h2(
         && let Some(channel) = &channel
         && let Some(squared) = lyapunov(channel)
     {
-        let error_estimate = (squared - quadrature.squared).abs().max(4.0 * f64::EPSILON * squared);
-        return Ok(Norm { squared, error_estimate, method: NormMethod::LyapunovAndQuadrature });
+        let error_estimate = (squared - quadrature.squared)
+            .abs()
+            .max(4.0 * f64::EPSILON * squared);
+        return Ok(Norm {
+            squared,
+            error_estimate,
+            method: NormMethod::LyapunovAndQuadrature,
+        });
     }
     Ok(quadrature)
 }
@@ -174,7 +217,10 @@ pub fn h2_fast(
     let space = assembly.state_space(&assembly.structure, values, 1.0_f64, |k, _| k)?;
     let channel = space.channel(assembly, values, input, &terms)?;
     let size = channel.a.norm();
-    let reference = channel.response(size).map_or(0.0, |h| h.norm()).max(channel.response(0.1 * size).map_or(0.0, |h| h.norm()));
+    let reference = channel
+        .response(size)
+        .map_or(0.0, Complex64::norm)
+        .max(channel.response(0.1 * size).map_or(0.0, Complex64::norm));
     let mut power = 1.0;
     for (k, &d) in channel.d.iter().enumerate() {
         // Feedthrough that is left by cancellation is a rounding error of what cancels.
@@ -183,22 +229,38 @@ pub fn h2_fast(
         }
         power *= size;
     }
-    lyapunov(&channel).ok_or(ResponseError::Undamped { hz: 0.0 }).or_else(|error| {
-        // Only now find out which mode it is.
-        let poles = crate::eigen::eigenvalues(&channel.a)?;
-        let worst = poles.into_iter().max_by(|a, b| (a.re / a.norm()).total_cmp(&(b.re / b.norm())));
-        Err(worst.map_or(error, |pole| {
-            if pole.re > 1e-9 * pole.norm() {
-                ResponseError::Unstable { real: pole.re, imaginary: pole.im }
-            } else {
-                ResponseError::Undamped { hz: pole.im.abs() / TAU }
-            }
-        }))
-    })
+    lyapunov(&channel)
+        .ok_or(ResponseError::Undamped { hz: 0.0 })
+        .or_else(|error| {
+            // Only now find out which mode it is.
+            let poles = crate::eigen::eigenvalues(&channel.a)?;
+            let worst = poles
+                .into_iter()
+                .max_by(|a, b| (a.re / a.norm()).total_cmp(&(b.re / b.norm())));
+            Err(worst.map_or(error, |pole| {
+                if pole.re > 1e-9 * pole.norm() {
+                    ResponseError::Unstable {
+                        real: pole.re,
+                        imaginary: pole.im,
+                    }
+                } else {
+                    ResponseError::Undamped {
+                        hz: pole.im.abs() / TAU,
+                    }
+                }
+            }))
+        })
 }
 
 fn not_proper(limit: f64, power: usize) -> ResponseError {
-    ResponseError::NotStrictlyProper { limit, growing: if power > 0 { " times a power of the frequency" } else { "" } }
+    ResponseError::NotStrictlyProper {
+        limit,
+        growing: if power > 0 {
+            " times a power of the frequency"
+        } else {
+            ""
+        },
+    }
 }
 
 /// Refuses integrals that do not exist.
@@ -215,11 +277,24 @@ fn proper(
     if size[1] > 0.3 * size[0] {
         if spectrum.is_none() {
             let polynomial = residues
-                .map(|residues| residues.polynomial.iter().map(|d| d.norm()).collect::<Vec<f64>>())
+                .map(|residues| {
+                    residues
+                        .polynomial
+                        .iter()
+                        .map(|d| d.norm())
+                        .collect::<Vec<f64>>()
+                })
                 .or_else(|| channel.map(|channel| channel.d.iter().map(|d| d.abs()).collect()))
                 .unwrap_or_default();
-            let power = (0..polynomial.len()).rev().find(|&k| polynomial[k] * far[1].powi(k as i32) > 1e-9).unwrap_or(0);
-            let limit = if power == 0 { integrand(far[1])?.sqrt() } else { polynomial[power] };
+            let power = (0..polynomial.len())
+                .rev()
+                .find(|&k| polynomial[k] * far[1].powf(k as f64) > 1e-9)
+                .unwrap_or(0);
+            let limit = if power == 0 {
+                integrand(far[1])?.sqrt()
+            } else {
+                polynomial[power]
+            };
             return Err(not_proper(limit, power));
         }
         return Err(not_proper(integrand(far[1])?.sqrt(), 0));
@@ -263,10 +338,16 @@ fn lyapunov(channel: &Channel<f64>) -> Option<f64> {
     if !(shift > 0.0 && shift.is_finite()) {
         return None;
     }
-    let shifted = |sign: f64| Dense::from_fn(n, n, |i, j| sign * a.get(i, j) + if i == j { shift } else { 0.0 });
+    let shifted = |sign: f64| {
+        Dense::from_fn(n, n, |i, j| {
+            sign * a.get(i, j) + if i == j { shift } else { 0.0 }
+        })
+    };
     let lu = shifted(-1.0).lu()?;
     let mut step = lu.solve(&shifted(1.0));
-    let b = lu.solve(&Dense::from_fn(n, 1, |i, _| channel.b[i] / scale[i])).scale((2.0 * shift).sqrt());
+    let b = lu
+        .solve(&Dense::from_fn(n, 1, |i, _| channel.b[i] / scale[i]))
+        .scale((2.0 * shift).sqrt());
     let mut x = b.times(&b.transpose());
     let c = Dense::from_fn(1, n, |_, j| channel.c[j] * scale[j]);
     let value = |x: &Dense<f64>| c.times(x).times(&c.transpose()).get(0, 0);

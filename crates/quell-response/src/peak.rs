@@ -32,7 +32,11 @@ pub(crate) fn minimise(
         }
         let parabolic = q > 0.0 && t > -below && t < above && !slow;
         if !parabolic {
-            t = if above > below { GOLDEN * above } else { -GOLDEN * below };
+            t = if above > below {
+                GOLDEN * above
+            } else {
+                -GOLDEN * below
+            };
         } else if t.abs() < near {
             // The vertex is (almost) the sample that there is: test the parabola a little beside it.
             t = if above > below { near } else { -near };
@@ -64,7 +68,7 @@ pub(crate) fn minimise(
                 break;
             }
         }
-        if !(r.0 - l.0 > 4.0 * f64::EPSILON * m.0.abs()) || m.1 <= 0.0 {
+        if r.0 - l.0 <= 4.0 * f64::EPSILON * m.0.abs() || m.1 <= 0.0 {
             break;
         }
     }
@@ -77,5 +81,9 @@ pub(crate) fn vertex(l: Sample, m: Sample, r: Sample) -> f64 {
     let (slope_left, slope_right) = ((l.1 - m.1) / below, (r.1 - m.1) / above);
     let q = (slope_left + slope_right) / (below + above);
     let p = slope_right - q * above;
-    if q > 0.0 && q.is_finite() { m.1 - 0.25 * p * p / q } else { m.1 }
+    if q > 0.0 && q.is_finite() {
+        m.1 - 0.25 * p * p / q
+    } else {
+        m.1
+    }
 }

@@ -21,8 +21,12 @@ const KRONROD: [f64; 8] = [
     0.204_432_940_075_298_9,
     0.209_482_141_084_727_82,
 ];
-const GAUSS: [f64; 4] =
-    [0.129_484_966_168_869_7, 0.279_705_391_489_276_64, 0.381_830_050_505_118_93, 0.417_959_183_673_469_4];
+const GAUSS: [f64; 4] = [
+    0.129_484_966_168_869_7,
+    0.279_705_391_489_276_7,
+    0.381_830_050_505_118_9,
+    0.417_959_183_673_469_4,
+];
 
 /// An integral and the estimate of its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +40,11 @@ fn rule<E>(from: f64, to: f64, f: &mut impl FnMut(f64) -> Result<f64, E>) -> Res
     let mut samples = [0.0; 15];
     let (mut kronrod, mut gauss, mut size) = (0.0, 0.0, 0.0);
     for (i, (&node, &weight)) in NODES.iter().zip(&KRONROD).enumerate() {
-        let pair = if node == 0.0 { vec![middle] } else { vec![middle - half * node, middle + half * node] };
+        let pair = if node == 0.0 {
+            vec![middle]
+        } else {
+            vec![middle - half * node, middle + half * node]
+        };
         for (side, x) in pair.into_iter().enumerate() {
             let value = f(x)?;
             samples[2 * i + side] = value;
@@ -55,9 +63,15 @@ fn rule<E>(from: f64, to: f64, f: &mut impl FnMut(f64) -> Result<f64, E>) -> Res
         }
     }
     let difference = (kronrod - gauss).abs();
-    let estimate =
-        if spread > 0.0 { spread * (200.0 * difference / spread).powf(1.5).min(1.0) } else { difference };
-    Ok(Integral { value: half * kronrod, error: half * estimate.max(50.0 * f64::EPSILON * size) })
+    let estimate = if spread > 0.0 {
+        spread * (200.0 * difference / spread).powf(1.5).min(1.0)
+    } else {
+        difference
+    };
+    Ok(Integral {
+        value: half * kronrod,
+        error: half * estimate.max(50.0 * f64::EPSILON * size),
+    })
 }
 
 /// ∫ f over consecutive intervals to a relative tolerance, or to the best of `most` subdivisions.
@@ -77,7 +91,9 @@ pub(crate) fn integrate<E>(
         if error <= tolerance * value.abs() {
             break;
         }
-        let Some(worst) = (0..pieces.len()).max_by(|&a, &b| pieces[a].2.error.total_cmp(&pieces[b].2.error)) else {
+        let Some(worst) =
+            (0..pieces.len()).max_by(|&a, &b| pieces[a].2.error.total_cmp(&pieces[b].2.error))
+        else {
             break;
         };
         let (from, to, _) = pieces[worst];
@@ -107,7 +123,10 @@ mod tests {
         let sharp =
             integrate::<()>(&[-1.0, 1.0], 1e-12, 2000, |x| Ok(1.0 / (x * x + e * e))).unwrap();
         let exact = 2.0 * (1.0 / e).atan() / e;
-        assert!((sharp.value / exact - 1.0).abs() < 1e-11, "{sharp:?} {exact}");
+        assert!(
+            (sharp.value / exact - 1.0).abs() < 1e-11,
+            "{sharp:?} {exact}"
+        );
         let smooth = integrate::<()>(&[0.0, 1.0], 1e-12, 1, |x| Ok(x.powi(13))).unwrap();
         assert!((smooth.value * 14.0 - 1.0).abs() < 1e-14);
     }

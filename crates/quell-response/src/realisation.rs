@@ -25,11 +25,17 @@ pub(crate) struct Map<T> {
 
 impl<T: Scalar> Map<T> {
     fn of_state(state: Dense<T>) -> Self {
-        Self { state, input: Vec::new() }
+        Self {
+            state,
+            input: Vec::new(),
+        }
     }
 
     fn of_input(rows: usize, states: usize, input: Vec<Dense<T>>) -> Self {
-        Self { state: Dense::zeros(rows, states), input }
+        Self {
+            state: Dense::zeros(rows, states),
+            input,
+        }
     }
 
     fn rows(&self) -> usize {
@@ -37,11 +43,17 @@ impl<T: Scalar> Map<T> {
     }
 
     fn left(&self, matrix: &Dense<T>) -> Self {
-        Self { state: matrix.times(&self.state), input: self.input.iter().map(|block| matrix.times(block)).collect() }
+        Self {
+            state: matrix.times(&self.state),
+            input: self.input.iter().map(|block| matrix.times(block)).collect(),
+        }
     }
 
     fn solved(&self, lu: &Lu<T>) -> Self {
-        Self { state: lu.solve(&self.state), input: self.input.iter().map(|block| lu.solve(block)).collect() }
+        Self {
+            state: lu.solve(&self.state),
+            input: self.input.iter().map(|block| lu.solve(block)).collect(),
+        }
     }
 
     fn combine(&self, other: &Self, factor: f64) -> Self {
@@ -54,7 +66,10 @@ impl<T: Scalar> Map<T> {
                 (None, None) => Dense::zeros(self.rows(), 0),
             })
             .collect();
-        Self { state: self.state.plus(&other.state.scale(factor)), input }
+        Self {
+            state: self.state.plus(&other.state.scale(factor)),
+            input,
+        }
     }
 
     fn plus(&self, other: &Self) -> Self {
@@ -66,8 +81,13 @@ impl<T: Scalar> Map<T> {
     }
 
     fn select(&self, rows: &[usize]) -> Self {
-        let pick = |block: &Dense<T>| Dense::from_fn(rows.len(), block.columns(), |i, j| block.get(rows[i], j));
-        Self { state: pick(&self.state), input: self.input.iter().map(pick).collect() }
+        let pick = |block: &Dense<T>| {
+            Dense::from_fn(rows.len(), block.columns(), |i, j| block.get(rows[i], j))
+        };
+        Self {
+            state: pick(&self.state),
+            input: self.input.iter().map(pick).collect(),
+        }
     }
 
     fn stacked(&self, below: &Self, inputs: usize) -> Self {
@@ -84,7 +104,9 @@ impl<T: Scalar> Map<T> {
         };
         Self {
             state: join(Some(&self.state), Some(&below.state), self.state.columns()),
-            input: (0..longest).map(|k| join(self.input.get(k), below.input.get(k), inputs)).collect(),
+            input: (0..longest)
+                .map(|k| join(self.input.get(k), below.input.get(k), inputs))
+                .collect(),
         }
     }
 
@@ -92,7 +114,8 @@ impl<T: Scalar> Map<T> {
     fn derivative(&self, rate: &Self, inputs: usize) -> Self {
         let mut shifted = vec![Dense::zeros(self.rows(), inputs)];
         shifted.extend(self.input.iter().cloned());
-        rate.left(&self.state).plus(&Self::of_input(self.rows(), rate.state.columns(), shifted))
+        rate.left(&self.state)
+            .plus(&Self::of_input(self.rows(), rate.state.columns(), shifted))
     }
 }
 
@@ -122,7 +145,10 @@ impl Assembly {
         self.check_values(values)?;
         self.no_loss("a realisation in time")?;
         let space = self.state_space(&self.structure, values, 1.0_f64, |k, _| k)?;
-        Ok(Realisation { space, inputs: self.host.inputs.len() })
+        Ok(Realisation {
+            space,
+            inputs: self.host.inputs.len(),
+        })
     }
 
     /// The state space with `complex(k, loss)` as stiffness entries.
@@ -137,7 +163,9 @@ impl Assembly {
         let inputs = self.host.inputs.len();
         let space = reduce(structure, &stamped, inputs)?;
         if !space.a.is_finite() || !space.b.is_finite() {
-            return Err(ResponseError::Singular { what: "the system of equations" });
+            return Err(ResponseError::Singular {
+                what: "the system of equations",
+            });
         }
         Ok(space)
     }
@@ -148,15 +176,23 @@ impl Assembly {
         values: &[f64],
         entry: impl Fn(f64, f64) -> T,
     ) -> Stamped<T> {
-        let (n, size, inputs) = (self.host.coordinates.len(), self.size, self.host.inputs.len());
+        let (n, size, inputs) = (
+            self.host.coordinates.len(),
+            self.size,
+            self.host.inputs.len(),
+        );
         let rows = structure.transform.block(0..n, 0..size).map(T::real);
         let columns = rows.transpose();
         let congruent = |matrix: &Dense<T>| columns.times(&matrix.times(&rows));
         let zero = Dense::zeros(n, n);
         let loss = self.loss.as_ref().unwrap_or(&zero);
-        let stiffness = Dense::from_fn(n, n, |i, j| entry(self.stiffness.get(i, j), loss.get(i, j)));
-        let mut matrices =
-            [congruent(&stiffness), congruent(&self.damping.map(T::real)), congruent(&self.mass.map(T::real))];
+        let stiffness =
+            Dense::from_fn(n, n, |i, j| entry(self.stiffness.get(i, j), loss.get(i, j)));
+        let mut matrices = [
+            congruent(&stiffness),
+            congruent(&self.damping.map(T::real)),
+            congruent(&self.mass.map(T::real)),
+        ];
         let mut forcing = [0, 1, 2].map(|k| columns.times(&self.forcing[k].map(T::real)));
         for (stamp, incidence) in self.stamps.iter().zip(&structure.incidence) {
             let value = values[stamp.value];
@@ -174,12 +210,20 @@ impl Assembly {
             }
         }
         let [stiffness, damping, mass] = matrices;
-        Stamped { mass, damping, stiffness, forcing }
+        Stamped {
+            mass,
+            damping,
+            stiffness,
+            forcing,
+        }
     }
 }
 
 fn factor<T: Scalar>(matrix: &Dense<T>, what: &'static str) -> Result<Lu<T>, ResponseError> {
-    matrix.lu().filter(|lu| lu.pivot_ratio() > 0.0).ok_or(ResponseError::Singular { what })
+    matrix
+        .lu()
+        .filter(|lu| lu.pivot_ratio() > 0.0)
+        .ok_or(ResponseError::Singular { what })
 }
 
 fn reduce<T: Scalar>(
@@ -189,16 +233,31 @@ fn reduce<T: Scalar>(
 ) -> Result<StateSpace<T>, ResponseError> {
     let [na, n1, n2, n3] = structure.counts;
     let n12 = n1 + n2;
-    let (a, one, two, three) = (0..na, na..na + n1, na + n1..na + n12, na + n12..na + n12 + n3);
+    let (a, one, two, three) = (
+        0..na,
+        na..na + n1,
+        na + n1..na + n12,
+        na + n12..na + n12 + n3,
+    );
     let both = na..na + n12;
-    let Stamped { mass, damping, stiffness, forcing } = stamped;
+    let Stamped {
+        mass,
+        damping,
+        stiffness,
+        forcing,
+    } = stamped;
 
     // Momentum coordinates: y_a = M_aa^-1 (F2_a u - M_a1 y_1).
-    let mass_a = factor(&mass.block(a.clone(), a.clone()), "the mass matrix of nodes that only inerters hold")?;
+    let mass_a = factor(
+        &mass.block(a.clone(), a.clone()),
+        "the mass matrix of nodes that only inerters hold",
+    )?;
     let follow = mass_a.solve(&mass.block(a.clone(), one.clone()));
     let follow_input = mass_a.solve(&forcing[2].block(a.clone(), 0..inputs));
     let mass_1a = mass.block(one.clone(), a.clone());
-    let mass_1 = mass.block(one.clone(), one.clone()).minus(&mass_1a.times(&follow));
+    let mass_1 = mass
+        .block(one.clone(), one.clone())
+        .minus(&mass_1a.times(&follow));
 
     // Algebraic coordinates: y_3 = K_33^-1 (F_3 u - K_3b y_b).
     let held = factor(
@@ -206,12 +265,19 @@ fn reduce<T: Scalar>(
         "the stiffness matrix of coordinates that only springs hold",
     )?;
     let spring_share = held.solve(&stiffness.block(three.clone(), both.clone()));
-    let spring_input: Vec<Dense<T>> = forcing.iter().map(|f| held.solve(&f.block(three.clone(), 0..inputs))).collect();
+    let spring_input: Vec<Dense<T>> = forcing
+        .iter()
+        .map(|f| held.solve(&f.block(three.clone(), 0..inputs)))
+        .collect();
     let stiffness_b3 = stiffness.block(both.clone(), three.clone());
-    let stiffness_b = stiffness.block(both.clone(), both.clone()).minus(&stiffness_b3.times(&spring_share));
+    let stiffness_b = stiffness
+        .block(both.clone(), both.clone())
+        .minus(&stiffness_b3.times(&spring_share));
     let forces: Vec<Dense<T>> = (0..3)
         .map(|k| {
-            let mut force = forcing[k].block(both.clone(), 0..inputs).minus(&stiffness_b3.times(&spring_input[k]));
+            let mut force = forcing[k]
+                .block(both.clone(), 0..inputs)
+                .minus(&stiffness_b3.times(&spring_input[k]));
             if k == 2 {
                 let carried = mass_1a.times(&follow_input);
                 for i in 0..n1 {
@@ -229,18 +295,25 @@ fn reduce<T: Scalar>(
     let displacements = n12 - w;
     let states = displacements + n1;
     let picked = |rows: usize, first: usize| {
-        Map::of_state(Dense::from_fn(rows, states, |i, j| if j == first + i { T::ONE } else { T::ZERO }))
+        Map::of_state(Dense::from_fn(rows, states, |i, j| {
+            if j == first + i { T::ONE } else { T::ZERO }
+        }))
     };
     let displacement = picked(displacements, 0);
     let velocity = picked(n1, displacements);
     let kept = |matrix: &Dense<T>| {
-        Dense::from_fn(matrix.rows(), displacements, |i, j| matrix.get(i, structure.kept_rows[j]))
+        Dense::from_fn(matrix.rows(), displacements, |i, j| {
+            matrix.get(i, structure.kept_rows[j])
+        })
     };
     let force_map = |rows: std::ops::Range<usize>| {
         Map::of_input(
             rows.len(),
             states,
-            forces.iter().map(|force| force.block(rows.clone(), 0..inputs)).collect(),
+            forces
+                .iter()
+                .map(|force| force.block(rows.clone(), 0..inputs))
+                .collect(),
         )
     };
     let damping_2 = factor(
@@ -258,15 +331,23 @@ fn reduce<T: Scalar>(
         .minus(&displacement.left(&kept(&stiffness_b.block(0..n1, 0..n12))))
         .solved(&mass_1);
     let rate_b = velocity.stacked(&rate_2, inputs);
-    let ratio = Dense::from_fn(displacements, w, |i, j| T::real(structure.neutral.get(structure.kept_rows[i], j)));
-    let rate_d = rate_b.select(&structure.kept_rows).minus(&rate_b.select(&structure.neutral_rows).left(&ratio));
+    let ratio = Dense::from_fn(displacements, w, |i, j| {
+        T::real(structure.neutral.get(structure.kept_rows[i], j))
+    });
+    let rate_d = rate_b
+        .select(&structure.kept_rows)
+        .minus(&rate_b.select(&structure.neutral_rows).left(&ratio));
     let mut rate = rate_d.stacked(&acceleration, inputs);
 
     // Displacements of neutral directions follow from the momentum that no spring changes.
     let position_b = if w == 0 {
         let mut rows = displacement.clone();
         rows.state = Dense::from_fn(n12, states, |i, j| {
-            if structure.kept_rows.get(j) == Some(&i) { T::ONE } else { T::ZERO }
+            if structure.kept_rows.get(j) == Some(&i) {
+                T::ONE
+            } else {
+                T::ZERO
+            }
         });
         rows
     } else {
@@ -275,13 +356,21 @@ fn reduce<T: Scalar>(
         let damping_b = damping.block(both.clone(), both.clone());
         let weighted = neutral_t.times(&damping_b);
         let spread = Dense::from_fn(n12, displacements, |i, j| {
-            if structure.kept_rows[j] == i { T::ONE } else { T::ZERO }
+            if structure.kept_rows[j] == i {
+                T::ONE
+            } else {
+                T::ZERO
+            }
         });
-        let resisting = factor(&weighted.times(&neutral), "the damping of nodes that no spring holds")?;
+        let resisting = factor(
+            &weighted.times(&neutral),
+            "the damping of nodes that no spring holds",
+        )?;
         let neutral_1 = neutral_t.block(0..w, 0..n1);
-        let full_mass_1 = mass.block(one.clone(), one.clone()).minus(&mass_1a.times(&follow));
-        let momentum_input =
-            vec![neutral_t.times(&forces[1]), neutral_t.times(&forces[2])];
+        let full_mass_1 = mass
+            .block(one.clone(), one.clone())
+            .minus(&mass_1a.times(&follow));
+        let momentum_input = vec![neutral_t.times(&forces[1]), neutral_t.times(&forces[2])];
         let along = Map::of_input(w, states, momentum_input)
             .minus(&displacement.left(&weighted.times(&spread)))
             .minus(&velocity.left(&neutral_1.times(&full_mass_1)))
@@ -296,18 +385,25 @@ fn reduce<T: Scalar>(
     let mut z = [&position_b, &rate_b, &rate2_b].map(Clone::clone);
     for (order, map) in z.iter_mut().enumerate() {
         let shift = |blocks: Vec<Dense<T>>, rows: usize| {
-            let mut shifted: Vec<Dense<T>> = (0..order).map(|_| Dense::zeros(rows, inputs)).collect();
+            let mut shifted: Vec<Dense<T>> =
+                (0..order).map(|_| Dense::zeros(rows, inputs)).collect();
             shifted.extend(blocks);
             Map::of_input(rows, states, shifted)
         };
         let third = shift(spring_input.clone(), n3).minus(&map.left(&spring_share));
-        let momentum = shift(vec![follow_input.clone()], na).minus(&map.select(&ones).left(&follow));
-        *map = momentum.stacked(map, inputs).stacked(&third, inputs).left(&transform);
+        let momentum =
+            shift(vec![follow_input.clone()], na).minus(&map.select(&ones).left(&follow));
+        *map = momentum
+            .stacked(map, inputs)
+            .stacked(&third, inputs)
+            .left(&transform);
     }
 
     // x = x̃ + B_k u^(k-1), from the highest derivative down.
     while rate.input.len() > 1 {
-        let Some(highest) = rate.input.pop() else { break };
+        let Some(highest) = rate.input.pop() else {
+            break;
+        };
         let k = rate.input.len();
         let carried = rate.state.times(&highest);
         rate.input[k - 1] = rate.input[k - 1].plus(&carried);
@@ -318,8 +414,15 @@ fn reduce<T: Scalar>(
             map.input[k - 1] = map.input[k - 1].plus(&map.state.times(&highest));
         }
     }
-    let b = rate.input.pop().unwrap_or_else(|| Dense::zeros(states, inputs));
-    Ok(StateSpace { a: rate.state, b, z })
+    let b = rate
+        .input
+        .pop()
+        .unwrap_or_else(|| Dense::zeros(states, inputs));
+    Ok(StateSpace {
+        a: rate.state,
+        b,
+        z,
+    })
 }
 
 /// One input, one output: H(s) = c (s I - A)^-1 b + Σ d_k s^k.
@@ -359,7 +462,12 @@ impl<T: Scalar> StateSpace<T> {
             }
             d[term.order] += T::real(term.row.input(input) * weight);
         }
-        let mut channel = Channel { a: self.a.clone(), b, c, d };
+        let mut channel = Channel {
+            a: self.a.clone(),
+            b,
+            c,
+            d,
+        };
         for _ in 0..assembly.host.inputs[input].kind.integrations() {
             channel.integrate_input(assembly, input)?;
         }
@@ -380,9 +488,18 @@ impl<T: Scalar> Channel<T> {
             None => least_squares(&self.a, &right),
         };
         let remainder = self.a.times(&solved).minus(&right);
-        let static_response: T = solved.data().iter().zip(&self.c).fold(self.d[0], |sum, (&x, &c)| sum - c * x);
+        let static_response: T = solved
+            .data()
+            .iter()
+            .zip(&self.c)
+            .fold(self.d[0], |sum, (&x, &c)| sum - c * x);
         // What it is measured against: the terms that cancel, and the response at the system's own frequencies.
-        let terms: f64 = solved.data().iter().zip(&self.c).map(|(x, c)| (*x * *c).modulus()).sum();
+        let terms: f64 = solved
+            .data()
+            .iter()
+            .zip(&self.c)
+            .map(|(x, c)| (*x * *c).modulus())
+            .sum();
         let norm = self.a.norm();
         let response = [1.0, 1e-1, 1e-2, 1e-3]
             .iter()
@@ -412,13 +529,23 @@ impl<T: Scalar> Channel<T> {
         let matrix = Dense::from_fn(n, n, |i, j| {
             (if i == j { s } else { Complex64::ZERO }) - self.a.get(i, j).complex()
         });
-        let x = matrix.lu()?.solve(&Dense::from_fn(n, 1, |i, _| self.b[i].complex()));
-        let dynamic: Complex64 = x.data().iter().zip(&self.c).map(|(x, c)| x * c.complex()).sum();
+        let x = matrix
+            .lu()?
+            .solve(&Dense::from_fn(n, 1, |i, _| self.b[i].complex()));
+        let dynamic: Complex64 = x
+            .data()
+            .iter()
+            .zip(&self.c)
+            .map(|(x, c)| x * c.complex())
+            .sum();
         Some(dynamic + self.polynomial(s))
     }
 
     pub(crate) fn polynomial(&self, s: Complex64) -> Complex64 {
-        self.d.iter().rev().fold(Complex64::ZERO, |sum, d| sum * s + d.complex())
+        self.d
+            .iter()
+            .rev()
+            .fold(Complex64::ZERO, |sum, d| sum * s + d.complex())
     }
 }
 
@@ -511,12 +638,19 @@ impl Realisation {
     /// # Errors
     /// Where `order` exceeds 2.
     pub fn coordinates(&self, order: usize) -> Result<(&[f64], Vec<&[f64]>), ResponseError> {
-        let map = self.space.z.get(order).ok_or_else(|| ResponseError::DerivativeOrder {
-            what: "the coordinates".into(),
-            order,
-            most: 2,
-        })?;
-        Ok((map.state.data(), map.input.iter().map(Dense::data).collect()))
+        let map = self
+            .space
+            .z
+            .get(order)
+            .ok_or_else(|| ResponseError::DerivativeOrder {
+                what: "the coordinates".into(),
+                order,
+                most: 2,
+            })?;
+        Ok((
+            map.state.data(),
+            map.input.iter().map(Dense::data).collect(),
+        ))
     }
 
     /// H(jω) from an input as it is given to an output of `assembly`, which must be the one that was realised at `values`.
@@ -533,7 +667,9 @@ impl Realisation {
     ) -> Result<Complex64, ResponseError> {
         assembly.check_values(values)?;
         assembly.check_input(input)?;
-        if self.space.z[0].state.rows() != assembly.size || self.states() != assembly.predicted_modes() {
+        if self.space.z[0].state.rows() != assembly.size
+            || self.states() != assembly.predicted_modes()
+        {
             return Err(ResponseError::Shape {
                 host: assembly.host.name.clone(),
                 what: "the realisation".into(),
@@ -546,6 +682,8 @@ impl Realisation {
         channel
             .response(omega)
             .filter(|value| value.is_finite())
-            .ok_or(ResponseError::SingularAt { hz: omega / std::f64::consts::TAU })
+            .ok_or(ResponseError::SingularAt {
+                hz: omega / std::f64::consts::TAU,
+            })
     }
 }

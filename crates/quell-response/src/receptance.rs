@@ -48,7 +48,12 @@ pub(crate) struct HostChannel {
 
 impl HostChannel {
     /// `terms` are those that involve neither device forces nor internal nodes.
-    pub(crate) fn new(assembly: &Assembly, input: usize, ports: &[usize], terms: &[OutputTerm]) -> Self {
+    pub(crate) fn new(
+        assembly: &Assembly,
+        input: usize,
+        ports: &[usize],
+        terms: &[OutputTerm],
+    ) -> Self {
         let n = assembly.host.coordinates.len();
         let zero = vec![0.0; n * n];
         let mut coordinates = Vec::new();
@@ -83,9 +88,15 @@ impl HostChannel {
             mass: assembly.mass.data().to_vec(),
             damping: assembly.damping.data().to_vec(),
             stiffness: assembly.stiffness.data().to_vec(),
-            loss: assembly.loss.as_ref().map_or(zero, |loss| loss.data().to_vec()),
-            forcing: [0, 1, 2]
-                .map(|k| (0..n).map(|i| assembly.forcing[k].get(i, input)).collect::<Vec<f64>>()),
+            loss: assembly
+                .loss
+                .as_ref()
+                .map_or(zero, |loss| loss.data().to_vec()),
+            forcing: [0, 1, 2].map(|k| {
+                (0..n)
+                    .map(|i| assembly.forcing[k].get(i, input))
+                    .collect::<Vec<f64>>()
+            }),
         }
     }
 
@@ -107,11 +118,20 @@ impl HostChannel {
                 compliance += h * h / diagonal;
             }
         }
-        if compliance > 0.0 { 1.0 / compliance } else { 1.0 }
+        if compliance > 0.0 {
+            1.0 / compliance
+        } else {
+            1.0
+        }
     }
 
     /// Fills `point`; false where the matrix is singular. Nothing is allocated once the buffers have their size.
-    pub(crate) fn solve(&self, omega: f64, work: &mut Vec<Complex64>, point: &mut HostPoint) -> bool {
+    pub(crate) fn solve(
+        &self,
+        omega: f64,
+        work: &mut Vec<Complex64>,
+        point: &mut HostPoint,
+    ) -> bool {
         let (n, p) = (self.n, self.ports.len());
         let width = n + 1 + p;
         work.resize(n * width, Complex64::ZERO);
@@ -155,7 +175,10 @@ impl HostChannel {
         }
         let integrated = Complex64::ONE / powers_of(omega, self.integrations);
         let displacement = |work: &[Complex64], port: &[f64], column: usize| -> Complex64 {
-            port.iter().enumerate().map(|(i, &h)| work[i * width + column] * h).sum()
+            port.iter()
+                .enumerate()
+                .map(|(i, &h)| work[i * width + column] * h)
+                .sum()
         };
         for (r, (port, from_input)) in self.ports.iter().enumerate() {
             point.x0[r] = (displacement(work, port, n) + from_input) * integrated;
@@ -166,10 +189,16 @@ impl HostChannel {
         let output = |work: &[Complex64], column: usize| -> Complex64 {
             self.coordinates
                 .iter()
-                .map(|&(order, index, factor)| powers[order] * work[index * width + column] * factor)
+                .map(|&(order, index, factor)| {
+                    powers[order] * work[index * width + column] * factor
+                })
                 .sum()
         };
-        let direct: Complex64 = self.direct.iter().map(|&(order, factor)| powers[order] * factor).sum();
+        let direct: Complex64 = self
+            .direct
+            .iter()
+            .map(|&(order, factor)| powers[order] * factor)
+            .sum();
         point.y0 = (output(work, n) + direct) * integrated;
         for c in 0..p {
             point.alpha[c] = output(work, n + 1 + c);
@@ -190,7 +219,9 @@ impl HostChannel {
                 return Ok(at);
             }
         }
-        Err(ResponseError::SingularAt { hz: omega / std::f64::consts::TAU })
+        Err(ResponseError::SingularAt {
+            hz: omega / std::f64::consts::TAU,
+        })
     }
 }
 

@@ -26,10 +26,14 @@ impl Residues {
         let n = channel.a.rows();
         let (poles, vectors) = eigen(&channel.a)?;
         let polynomial = channel.d.iter().map(|d| d.complex()).collect();
-        let Some(lu) = vectors.lu() else { return Ok(None) };
+        let Some(lu) = vectors.lu() else {
+            return Ok(None);
+        };
         let inverse = lu.inverse();
-        let (b, c): (Vec<Complex64>, Vec<Complex64>) =
-            (channel.b.iter().map(|b| b.complex()).collect(), channel.c.iter().map(|c| c.complex()).collect());
+        let (b, c): (Vec<Complex64>, Vec<Complex64>) = (
+            channel.b.iter().map(|b| b.complex()).collect(),
+            channel.c.iter().map(|c| c.complex()).collect(),
+        );
         let mut terms = Vec::with_capacity(n);
         for i in 0..n {
             let (mut seen, mut seen_size) = (Complex64::ZERO, 0.0);
@@ -46,7 +50,11 @@ impl Residues {
             }
         }
         if terms.iter().all(|(_, residue)| residue.is_finite()) {
-            Ok(Some(Self { terms, poles, polynomial }))
+            Ok(Some(Self {
+                terms,
+                poles,
+                polynomial,
+            }))
         } else {
             Ok(None)
         }
@@ -96,7 +104,7 @@ pub(crate) fn polynomial_third(coefficients: &[Complex64], omega: f64) -> f64 {
         .iter()
         .enumerate()
         .skip(3)
-        .map(|(k, d)| d.norm() * (k * (k - 1) * (k - 2)) as f64 * omega.powi(k as i32 - 3))
+        .map(|(k, d)| d.norm() * (k * (k - 1) * (k - 2)) as f64 * omega.powf(k as f64 - 3.0))
         .sum()
 }
 
@@ -110,10 +118,23 @@ impl<T: Decompose> Resolvent<T> {
     /// Takes the channel in balanced coordinates.
     pub(crate) fn new(channel: &Channel<T>) -> Self {
         let (a, scale) = crate::eigen::balance(&channel.a);
-        let b = channel.b.iter().zip(&scale).map(|(&b, &d)| b * (1.0 / d)).collect();
+        let b = channel
+            .b
+            .iter()
+            .zip(&scale)
+            .map(|(&b, &d)| b * (1.0 / d))
+            .collect();
         let c = channel.c.iter().zip(&scale).map(|(&c, &d)| c * d).collect();
         let polynomial = channel.d.iter().map(|d| d.complex()).collect();
-        Self { channel: Channel { a, b, c, d: channel.d.clone() }, polynomial }
+        Self {
+            channel: Channel {
+                a,
+                b,
+                c,
+                d: channel.d.clone(),
+            },
+            polynomial,
+        }
     }
 
     /// H, H', H'' at the middle and a bound of |H'''| within `half`.
@@ -128,24 +149,39 @@ impl<T: Decompose> Resolvent<T> {
             return Some((h, tail));
         }
         let s = Complex64::new(0.0, omega);
-        let matrix =
-            Dense::from_fn(n, n, |i, j| if i == j { s } else { Complex64::ZERO } - self.channel.a.get(i, j).complex());
+        let matrix = Dense::from_fn(
+            n,
+            n,
+            |i, j| if i == j { s } else { Complex64::ZERO } - self.channel.a.get(i, j).complex(),
+        );
         let lu = matrix.lu()?;
         let first = lu.solve(&Dense::from_fn(n, 1, |i, _| self.channel.b[i].complex()));
         let second = lu.solve(&first);
         let third = lu.solve(&second);
         let watch = |x: &Dense<Complex64>| -> Complex64 {
-            x.data().iter().zip(&self.channel.c).map(|(x, c)| x * c.complex()).sum()
+            x.data()
+                .iter()
+                .zip(&self.channel.c)
+                .map(|(x, c)| x * c.complex())
+                .sum()
         };
         let (h0, h1) = (watch(&first), watch(&second));
         h[0] += h0;
         h[1] += Complex64::new(h1.im, -h1.re);
         h[2] -= watch(&third) * 2.0;
-        let row = matrix.transpose().lu()?.solve(&Dense::from_fn(n, 1, |i, _| self.channel.c[i].complex()));
-        let norm = |x: &Dense<Complex64>| x.data().iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+        let row = matrix
+            .transpose()
+            .lu()?
+            .solve(&Dense::from_fn(n, 1, |i, _| self.channel.c[i].complex()));
+        let norm =
+            |x: &Dense<Complex64>| x.data().iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
         let faer = faer::Mat::from_fn(n, n, |i, j| matrix.get(i, j));
-        let sigma = faer.singular_values().ok()?.into_iter().fold(f64::INFINITY, f64::min);
-        if !(half < sigma) {
+        let sigma = faer
+            .singular_values()
+            .ok()?
+            .into_iter()
+            .fold(f64::INFINITY, f64::min);
+        if sigma.is_nan() || half >= sigma {
             return Some((h, f64::INFINITY));
         }
         let growth = 1.0 / (1.0 - half / sigma);

@@ -53,10 +53,19 @@ impl Structure {
     ) -> Result<Self, ResponseError> {
         let [stiffness, damping, mass] =
             [0, 1, 2].map(|order| commensurate(matrices[order], order, hosts, size, stamps));
-        let allowed: Vec<usize> = if deflate { (0..size).collect() } else { (hosts..size).collect() };
+        let allowed: Vec<usize> = if deflate {
+            (0..size).collect()
+        } else {
+            (hosts..size).collect()
+        };
 
         // (a) neither damper nor spring.
-        let both = stack(&[&stiffness, &stiffness.transpose(), &damping, &damping.transpose()]);
+        let both = stack(&[
+            &stiffness,
+            &stiffness.transpose(),
+            &damping,
+            &damping.transpose(),
+        ]);
         let free = scaled_null_space(&columns(&both, &allowed));
         let momentum = embed(&free.basis, &allowed, size);
         let mut rest: Vec<usize> = (0..size).filter(|i| !allowed.contains(i)).collect();
@@ -68,11 +77,15 @@ impl Structure {
         if !null_a.free.is_empty() {
             return Err(floating(&momentum.times(&null_a.basis), names));
         }
-        let factor_a = mass_a.lu().ok_or(ResponseError::Singular { what: "the mass of the internal nodes" })?;
+        let factor_a = mass_a.lu().ok_or(ResponseError::Singular {
+            what: "the mass of the internal nodes",
+        })?;
 
         // (b) without mass. `follow` is how the momentum coordinates go along.
         let pick = embed(&Dense::identity(rest.len()), &rest, size);
-        let follow = factor_a.solve(&momentum.transpose().times(&mass).times(&pick)).scale(-1.0);
+        let follow = factor_a
+            .solve(&momentum.transpose().times(&mass).times(&pick))
+            .scale(-1.0);
         let dressed = pick.plus(&momentum.times(&follow));
         let mass_rest = pick.transpose().times(&mass).times(&dressed);
         let massless = scaled_null_space(&mass_rest);
@@ -82,16 +95,26 @@ impl Structure {
         let undamped = scaled_null_space(&damping_n);
         let pick_2 = columns(&massless_z, &undamped.pivots);
         let pick_3 = snapped(&massless_z.times(&undamped.basis));
-        let coupling = damping.times(&pick_3).largest().max(pick_3.transpose().times(&damping).largest());
+        let coupling = damping
+            .times(&pick_3)
+            .largest()
+            .max(pick_3.transpose().times(&damping).largest());
         if coupling > RANK * damping.largest() * pick_3.largest().max(1.0) {
-            return Err(ResponseError::UnsymmetricDamping { coordinate: name_of(&pick_3, names) });
+            return Err(ResponseError::UnsymmetricDamping {
+                coordinate: name_of(&pick_3, names),
+            });
         }
         let algebraic = pick_3.transpose().times(&stiffness).times(&pick_3);
         let unheld = scaled_null_space(&algebraic);
         if !unheld.free.is_empty() {
             return Err(floating(&pick_3.times(&unheld.basis), names));
         }
-        let counts = [count_a, pick_1.columns(), pick_2.columns(), pick_3.columns()];
+        let counts = [
+            count_a,
+            pick_1.columns(),
+            pick_2.columns(),
+            pick_3.columns(),
+        ];
         let mut transform = Dense::zeros(size, size);
         let mut first = 0;
         for block in [&momentum, &pick_1, &pick_2, &pick_3] {
@@ -101,11 +124,20 @@ impl Structure {
 
         // (d) no restoring force.
         let springs = stack(&[&stiffness, &stiffness.transpose()]);
-        let loose = embed(&scaled_null_space(&columns(&springs, &allowed)).basis, &allowed, size);
-        let to_y = transform.lu().ok_or(ResponseError::Singular { what: "the coordinate transformation" })?;
-        let loose_y = snapped(&to_y.solve(&loose)).block(count_a..count_a + counts[1] + counts[2], 0..loose.columns());
+        let loose = embed(
+            &scaled_null_space(&columns(&springs, &allowed)).basis,
+            &allowed,
+            size,
+        );
+        let to_y = transform.lu().ok_or(ResponseError::Singular {
+            what: "the coordinate transformation",
+        })?;
+        let loose_y = snapped(&to_y.solve(&loose))
+            .block(count_a..count_a + counts[1] + counts[2], 0..loose.columns());
         let (neutral, neutral_rows) = column_space(&loose_y);
-        let kept_rows = (0..counts[1] + counts[2]).filter(|row| !neutral_rows.contains(row)).collect();
+        let kept_rows = (0..counts[1] + counts[2])
+            .filter(|row| !neutral_rows.contains(row))
+            .collect();
 
         let incidence = stamps
             .iter()
@@ -116,7 +148,11 @@ impl Structure {
                         *entry += value * factor;
                     }
                 }
-                let largest = stamp.row.coordinates.iter().fold(0.0_f64, |m, entry| m.max(entry.1.abs()));
+                let largest = stamp
+                    .row
+                    .coordinates
+                    .iter()
+                    .fold(0.0_f64, |m, entry| m.max(entry.1.abs()));
                 for entry in &mut row {
                     // What cancels does so exactly in exact arithmetic: element values must not bring it back.
                     if entry.abs() < 1e-11 * largest {
@@ -126,7 +162,14 @@ impl Structure {
                 row
             })
             .collect();
-        Ok(Self { transform, counts, incidence, neutral, neutral_rows, kept_rows })
+        Ok(Self {
+            transform,
+            counts,
+            incidence,
+            neutral,
+            neutral_rows,
+            kept_rows,
+        })
     }
 
     /// Number of states of the realisation.
@@ -136,16 +179,30 @@ impl Structure {
 }
 
 /// The host's matrix plus every element of this kind with a value that fits the host's scale.
-fn commensurate(host: &Dense<f64>, order: usize, hosts: usize, size: usize, stamps: &[Stamp]) -> Dense<f64> {
+fn commensurate(
+    host: &Dense<f64>,
+    order: usize,
+    hosts: usize,
+    size: usize,
+    stamps: &[Stamp],
+) -> Dense<f64> {
     let scale: Vec<f64> = (0..hosts)
         .map(|i| {
             let diagonal = host.get(i, i).abs();
-            if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { 1.0 }
+            if diagonal > 0.0 {
+                1.0 / diagonal.sqrt()
+            } else {
+                1.0
+            }
         })
         .collect();
     let typical = {
         let largest = (0..hosts).map(|i| host.get(i, i).abs()).fold(0.0, f64::max);
-        if largest > 0.0 { 1.0 / largest.sqrt() } else { 1.0 }
+        if largest > 0.0 {
+            1.0 / largest.sqrt()
+        } else {
+            1.0
+        }
     };
     let mut matrix = Dense::zeros(size, size);
     matrix.place(0, 0, host);
@@ -175,7 +232,11 @@ fn stack(blocks: &[&Dense<f64>]) -> Dense<f64> {
     for block in blocks {
         // Each block to the same size: stiffness and damping have different units.
         let largest = block.largest();
-        all.place(first, 0, &block.scale(if largest > 0.0 { 1.0 / largest } else { 1.0 }));
+        all.place(
+            first,
+            0,
+            &block.scale(if largest > 0.0 { 1.0 / largest } else { 1.0 }),
+        );
         first += block.rows();
     }
     all
@@ -202,14 +263,24 @@ fn snapped(matrix: &Dense<f64>) -> Dense<f64> {
 /// Null space after scaling rows and columns to comparable size.
 fn scaled_null_space(matrix: &Dense<f64>) -> crate::dense::NullSpace {
     let largest = matrix.largest();
-    let inverse_root = |size: f64| if largest > 0.0 { 1.0 / size.max(SCALE_FLOOR * largest).sqrt() } else { 1.0 };
+    let inverse_root = |size: f64| {
+        if largest > 0.0 {
+            1.0 / size.max(SCALE_FLOOR * largest).sqrt()
+        } else {
+            1.0
+        }
+    };
     let row: Vec<f64> = (0..matrix.rows())
         .map(|i| inverse_root(matrix.row(i).iter().fold(0.0, |m: f64, v| m.max(v.abs()))))
         .collect();
     let column: Vec<f64> = (0..matrix.columns())
-        .map(|j| inverse_root((0..matrix.rows()).fold(0.0, |m: f64, i| m.max(matrix.get(i, j).abs()))))
+        .map(|j| {
+            inverse_root((0..matrix.rows()).fold(0.0, |m: f64, i| m.max(matrix.get(i, j).abs())))
+        })
         .collect();
-    let scaled = Dense::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j) * row[i] * column[j]);
+    let scaled = Dense::from_fn(matrix.rows(), matrix.columns(), |i, j| {
+        matrix.get(i, j) * row[i] * column[j]
+    });
     let mut space = null_space(&scaled, RANK);
     for c in 0..space.free.len() {
         let unit = column[space.free[c]];
@@ -230,7 +301,9 @@ fn column_space(matrix: &Dense<f64>) -> (Dense<f64>, Vec<usize>) {
     let picked = null_space(matrix, RANK).pivots;
     let basis = columns(matrix, &picked);
     let square = Dense::from_fn(rank, rank, |i, j| basis.get(rows[i], j));
-    let normalised = square.lu().map_or_else(|| basis.clone(), |lu| snapped(&basis.times(&lu.inverse())));
+    let normalised = square
+        .lu()
+        .map_or_else(|| basis.clone(), |lu| snapped(&basis.times(&lu.inverse())));
     (normalised, rows)
 }
 
@@ -247,5 +320,7 @@ fn name_of(directions: &Dense<f64>, names: &dyn Fn(usize) -> String) -> String {
 }
 
 fn floating(directions: &Dense<f64>, names: &dyn Fn(usize) -> String) -> ResponseError {
-    ResponseError::Floating { coordinate: name_of(directions, names) }
+    ResponseError::Floating {
+        coordinate: name_of(directions, names),
+    }
 }

@@ -63,7 +63,11 @@ fn random_tree(random: &mut Random, elements: usize, series: bool, number: &mut 
 }
 
 pub(crate) fn matrix(rows: &[&[f64]]) -> Mat<f64> {
-    Mat::from_fn(rows.len(), rows.first().map_or(0, |row| row.len()), |i, j| rows[i][j])
+    Mat::from_fn(
+        rows.len(),
+        rows.first().map_or(0, |row| row.len()),
+        |i, j| rows[i][j],
+    )
 }
 
 /// A host of the given matrices; inputs and ports are added by [`input`] and [`port`].
@@ -72,7 +76,10 @@ pub(crate) fn host(mass: Mat<f64>, damping: Mat<f64>, stiffness: Mat<f64>) -> Li
     LinearHost {
         name: "test host".into(),
         coordinates: (0..n)
-            .map(|i| Coordinate { name: format!("x{}", i + 1), kind: CoordinateKind::Translation })
+            .map(|i| Coordinate {
+                name: format!("x{}", i + 1),
+                kind: CoordinateKind::Translation,
+            })
             .collect(),
         mass,
         damping,
@@ -97,7 +104,11 @@ pub(crate) fn input(mut host: LinearHost, kind: InputKind, columns: [&[f64]; 3])
     for (forcing, column) in host.forcing.iter_mut().zip(columns) {
         let old = forcing.clone();
         *forcing = Mat::from_fn(old.nrows(), count + 1, |i, j| {
-            if j < count { old[(i, j)] } else { column.get(i).copied().unwrap_or(0.0) }
+            if j < count {
+                old[(i, j)]
+            } else {
+                column.get(i).copied().unwrap_or(0.0)
+            }
         });
     }
     for port in &mut host.ports {
@@ -120,13 +131,20 @@ pub(crate) fn port(mut host: LinearHost, coordinates: &[f64], inputs: &[f64]) ->
 }
 
 pub(crate) fn assembly(host: LinearHost, devices: &[(usize, &str)]) -> Arc<Assembly> {
-    let devices =
-        devices.iter().map(|&(port, text)| Attached { port, network: network(text) }).collect();
+    let devices = devices
+        .iter()
+        .map(|&(port, text)| Attached {
+            port,
+            network: network(text),
+        })
+        .collect();
     Arc::new(Assembly::new(Arc::new(host), devices).unwrap())
 }
 
 pub(crate) fn form(terms: &[(Signal, f64)]) -> LinearForm {
-    LinearForm { terms: terms.to_vec() }
+    LinearForm {
+        terms: terms.to_vec(),
+    }
 }
 
 pub(crate) fn coordinate(index: usize, order: usize) -> Signal {
@@ -164,14 +182,29 @@ pub(crate) fn random_host(random: &mut Random, damped: bool, free: bool) -> Line
     }
     let mut ground = (0.0, 0.0);
     if !free {
-        ground = (random.magnitude(1.0), if damped { random.magnitude(1.0) * 0.1 } else { 0.0 });
+        ground = (
+            random.magnitude(1.0),
+            if damped {
+                random.magnitude(1.0) * 0.1
+            } else {
+                0.0
+            },
+        );
         chain(&mut stiffness, 0, None, ground.0);
         chain(&mut damping, 0, None, ground.1);
     }
     let mut force = vec![0.0; n];
     force[random.below(n)] = 1.0;
-    let built = input(host(mass, damping, stiffness), InputKind::Force, [&force, &[], &[]]);
-    input(built, InputKind::Displacement, [&[ground.0], &[ground.1], &[]])
+    let built = input(
+        host(mass, damping, stiffness),
+        InputKind::Force,
+        [&force, &[], &[]],
+    );
+    input(
+        built,
+        InputKind::Displacement,
+        [&[ground.0], &[ground.1], &[]],
+    )
 }
 
 /// A port between random points; every second one touches the moving base.
@@ -194,5 +227,7 @@ pub(crate) fn random_port(random: &mut Random, host: LinearHost) -> LinearHost {
 }
 
 pub(crate) fn random_values(random: &mut Random, assembly: &Assembly, decades: f64) -> Vec<f64> {
-    (0..assembly.elements()).map(|_| random.magnitude(decades)).collect()
+    (0..assembly.elements())
+        .map(|_| random.magnitude(decades))
+        .collect()
 }

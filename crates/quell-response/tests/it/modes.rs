@@ -5,7 +5,8 @@ use quell_model::linear::InputKind;
 use quell_response::ModeKind;
 
 use crate::harness::{
-    Random, assembly, host, input, matrix, network, port, random_host, random_layout, random_port, random_values,
+    Random, assembly, host, input, matrix, network, port, random_host, random_layout, random_port,
+    random_values,
 };
 
 type Polynomial = Vec<f64>;
@@ -35,7 +36,13 @@ fn determinant(entries: &[Vec<Polynomial>]) -> Polynomial {
     for j in 0..entries.len() {
         let minor: Vec<Vec<Polynomial>> = entries[1..]
             .iter()
-            .map(|row| row.iter().enumerate().filter(|(k, _)| *k != j).map(|(_, entry)| entry.clone()).collect())
+            .map(|row| {
+                row.iter()
+                    .enumerate()
+                    .filter(|(k, _)| *k != j)
+                    .map(|(_, entry)| entry.clone())
+                    .collect()
+            })
             .collect();
         let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
         sum = add(&sum, &multiply(&entries[0][j], &determinant(&minor)), sign);
@@ -44,7 +51,10 @@ fn determinant(entries: &[Vec<Polynomial>]) -> Polynomial {
 }
 
 fn evaluate(polynomial: &[f64], s: Complex64) -> Complex64 {
-    polynomial.iter().rev().fold(Complex64::ZERO, |sum, &c| sum * s + c)
+    polynomial
+        .iter()
+        .rev()
+        .fold(Complex64::ZERO, |sum, &c| sum * s + c)
 }
 
 /// The promise: the predicted number of modes, none growing, and the characteristic polynomial of rational
@@ -72,10 +82,15 @@ fn random_devices_have_the_predicted_modes() {
         let values = random_values(&mut random, &system, 1.5);
         let predicted = 2 * n + device.order().poles;
         assert_eq!(system.predicted_modes(), predicted, "seed {seed}: {text}");
-        let modes = system.modes(&values).unwrap_or_else(|error| panic!("seed {seed}: {text}: {error}"));
+        let modes = system
+            .modes(&values)
+            .unwrap_or_else(|error| panic!("seed {seed}: {text}: {error}"));
         assert_eq!(modes.count(), predicted, "seed {seed}: {text}");
         let growth = modes.growth().unwrap_or(0.0) / modes.scale.max(1e-30);
-        assert!(growth < 1e-9, "seed {seed}: {text}: growth {growth:e} of |A|");
+        assert!(
+            growth < 1e-9,
+            "seed {seed}: {text}: growth {growth:e} of |A|"
+        );
         worst_growth = worst_growth.max(growth);
 
         // det(Z + x h hᵀ) is linear in x, so the characteristic polynomial needs two determinants of the host.
@@ -88,8 +103,9 @@ fn random_devices_have_the_predicted_modes() {
             ]
         };
         let build = |extra: f64| -> Polynomial {
-            let rows: Vec<Vec<Polynomial>> =
-                (0..n).map(|i| (0..n).map(|j| entry(i, j, extra)).collect()).collect();
+            let rows: Vec<Vec<Polynomial>> = (0..n)
+                .map(|i| (0..n).map(|j| entry(i, j, extra)).collect())
+                .collect();
             determinant(&rows)
         };
         let (bare, held) = (build(0.0), build(1.0));
@@ -102,22 +118,43 @@ fn random_devices_have_the_predicted_modes() {
             numerator.remove(0);
             denominator.remove(0);
         }
-        let mut characteristic = add(&multiply(&bare, &denominator), &multiply(&slope, &numerator), 1.0);
+        let mut characteristic = add(
+            &multiply(&bare, &denominator),
+            &multiply(&slope, &numerator),
+            1.0,
+        );
         let largest = characteristic.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
-        while characteristic.last().is_some_and(|last| last.abs() < 1e-14 * largest) && characteristic.len() > predicted + 1 {
+        while characteristic
+            .last()
+            .is_some_and(|last| last.abs() < 1e-14 * largest)
+            && characteristic.len() > predicted + 1
+        {
             characteristic.pop();
         }
-        assert_eq!(characteristic.len(), predicted + 1, "seed {seed}: {text}: {characteristic:?}");
+        assert_eq!(
+            characteristic.len(),
+            predicted + 1,
+            "seed {seed}: {text}: {characteristic:?}"
+        );
         let leading = characteristic[predicted];
         let eigenvalues = modes.eigenvalues();
         for centre in eigenvalues.iter().filter(|value| value.norm() > 0.0) {
             for angle in [0.0, 0.7, 1.4] {
                 let s = Complex64::from_polar(centre.norm(), angle);
-                let product = eigenvalues.iter().fold(Complex64::new(leading, 0.0), |p, value| p * (s - value));
+                let product = eigenvalues
+                    .iter()
+                    .fold(Complex64::new(leading, 0.0), |p, value| p * (s - value));
                 let expected = evaluate(&characteristic, s);
-                let allowed: f64 = eigenvalues.iter().map(|value| 1e-10 * modes.scale / (s - value).norm()).sum();
+                let allowed: f64 = eigenvalues
+                    .iter()
+                    .map(|value| 1e-10 * modes.scale / (s - value).norm())
+                    .sum();
                 // Coefficients of the reference cancel in det(Z + h hᵀ) - det Z themselves.
-                let magnitude: f64 = characteristic.iter().enumerate().map(|(k, c)| c.abs() * s.norm().powi(k as i32)).sum();
+                let magnitude: f64 = characteristic
+                    .iter()
+                    .enumerate()
+                    .map(|(k, c)| c.abs() * s.norm().powf(k as f64))
+                    .sum();
                 let error = (product - expected).norm() / magnitude;
                 worst_polynomial = worst_polynomial.max(error / (1e-9 + allowed));
                 assert!(
@@ -127,7 +164,9 @@ fn random_devices_have_the_predicted_modes() {
             }
         }
     }
-    println!("worst growth {worst_growth:e} |A|, worst polynomial {worst_polynomial:e} of what is allowed");
+    println!(
+        "worst growth {worst_growth:e} |A|, worst polynomial {worst_polynomial:e} of what is allowed"
+    );
 }
 
 /// Several devices, also two on one port: predicted numbers add up, nothing grows.
@@ -148,11 +187,22 @@ fn several_devices_add_their_orders() {
             .collect();
         let system = assembly(built, &[(0, &texts[0]), (1, &texts[1]), (1, &texts[2])]);
         let values = random_values(&mut random, &system, 1.5);
-        let predicted = 2 * n + texts.iter().map(|text| network(text).order().poles).sum::<usize>();
-        assert_eq!(system.predicted_modes(), predicted, "seed {seed}: {texts:?}");
+        let predicted = 2 * n
+            + texts
+                .iter()
+                .map(|text| network(text).order().poles)
+                .sum::<usize>();
+        assert_eq!(
+            system.predicted_modes(),
+            predicted,
+            "seed {seed}: {texts:?}"
+        );
         let modes = system.modes(&values).unwrap();
         assert_eq!(modes.count(), predicted);
-        assert!(modes.growth().unwrap() < 1e-9 * modes.scale, "seed {seed}: {texts:?}");
+        assert!(
+            modes.growth().unwrap() < 1e-9 * modes.scale,
+            "seed {seed}: {texts:?}"
+        );
     }
 }
 
@@ -169,7 +219,14 @@ fn undamped_pair_of_masses_that_floats() {
     let modes = system.modes(&[]).unwrap();
     assert_eq!(system.predicted_rigid_body_modes(), 2);
     let kinds: Vec<ModeKind> = modes.modes.iter().map(|mode| mode.kind).collect();
-    assert_eq!(kinds, [ModeKind::RigidBody, ModeKind::RigidBody, ModeKind::Oscillatory]);
+    assert_eq!(
+        kinds,
+        [
+            ModeKind::RigidBody,
+            ModeKind::RigidBody,
+            ModeKind::Oscillatory
+        ]
+    );
     let omega = (50.0_f64 * (0.5 + 1.0 / 3.0)).sqrt();
     assert!((modes.modes[2].eigenvalue.im / omega - 1.0).abs() < 1e-13);
     for value in &modes.modes[0].shape {
@@ -184,7 +241,14 @@ fn undamped_pair_of_masses_that_floats() {
     let modes = braked.modes(&[0.3]).unwrap();
     assert_eq!(modes.count(), 4);
     assert!(modes.growth().unwrap() < 0.0);
-    assert_eq!(modes.modes.iter().filter(|mode| mode.kind == ModeKind::RigidBody).count(), 1);
+    assert_eq!(
+        modes
+            .modes
+            .iter()
+            .filter(|mode| mode.kind == ModeKind::RigidBody)
+            .count(),
+        1
+    );
 }
 
 #[test]
@@ -201,8 +265,15 @@ fn massless_coordinates_are_algebraic_or_first_order() {
     // One zero (nothing holds the displacement), the others of m c s² + m k s + k c = 0.
     assert_eq!(modes.modes[0].kind, ModeKind::RigidBody);
     let sum: Complex64 = modes.eigenvalues().iter().sum();
-    let product = modes.eigenvalues().iter().filter(|value| value.norm() > 0.0).product::<Complex64>();
-    assert!((sum.re + 4.0 / 0.7).abs() < 1e-12 && sum.im.abs() < 1e-12, "{sum}");
+    let product = modes
+        .eigenvalues()
+        .iter()
+        .filter(|value| value.norm() > 0.0)
+        .product::<Complex64>();
+    assert!(
+        (sum.re + 4.0 / 0.7).abs() < 1e-12 && sum.im.abs() < 1e-12,
+        "{sum}"
+    );
     assert!((product.re - 4.0 / 1.5).abs() < 1e-12);
 }
 
