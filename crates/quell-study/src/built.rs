@@ -303,6 +303,7 @@ impl Built {
                             value,
                             unit: element.domain.unit(element.element).to_owned(),
                             bounds: None,
+                            logarithmic: false,
                         });
                 let origins = self.origins.iter().skip(attachment.variables.start);
                 let named = attachment
@@ -311,17 +312,19 @@ impl Built {
                     .iter()
                     .zip(origins)
                     .zip(variables)
-                    .map(|((variable, origin), value)| NamedValue {
-                        name: variable.name.clone(),
-                        value: *value,
-                        unit: variable.dimension.unit_text(),
-                        bounds: match origin {
-                            Origin::Searched(index) => self
-                                .variables
-                                .get(*index)
-                                .map(|variable| (variable.lower, variable.upper)),
+                    .map(|((variable, origin), value)| {
+                        let searched = match origin {
+                            Origin::Searched(index) => self.variables.get(*index),
                             Origin::Given(_) => None,
-                        },
+                        };
+                        NamedValue {
+                            name: variable.name.clone(),
+                            value: *value,
+                            unit: variable.dimension.unit_text(),
+                            bounds: searched.map(|variable| (variable.lower, variable.upper)),
+                            logarithmic: searched
+                                .is_some_and(|variable| variable.scale == Scale::Logarithmic),
+                        }
                     });
                 BuiltDevice {
                     name: attachment.name.clone(),

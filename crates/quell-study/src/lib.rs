@@ -16,6 +16,7 @@ mod read;
 pub mod results;
 mod runner;
 mod situation;
+mod standing;
 pub mod study;
 
 pub use amount::Amount;
@@ -24,7 +25,9 @@ pub use outcome::{
     RunOutcome, Series, TaskOutcome,
 };
 pub use read::FILE_VERSION;
-pub use runner::{Progress, RunError, RunSettings, Silent, Summary, check, run};
+pub use problem::{DesignProblem, ProblemScratch};
+pub use runner::{Progress, RunError, RunSettings, Silent, Summary, check, problems, run};
+pub use standing::Standing;
 pub use study::{Sense, Study};
 
 /// The JSON Schema of study files, for editors.

@@ -129,6 +129,8 @@ pub struct NamedValue {
     pub unit: String,
     /// Bounds, where the value was designed.
     pub bounds: Option<(f64, f64)>,
+    /// Searched on a logarithmic scale.
+    pub logarithmic: bool,
 }
 
 /// A response drawn over frequency.

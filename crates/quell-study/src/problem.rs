@@ -9,11 +9,11 @@ use crate::study::Sense;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Goal {
     /// Index of the criterion in the evaluator.
-    pub criterion: usize,
+    pub(crate) criterion: usize,
     /// Which way is good.
-    pub sense: Sense,
+    pub(crate) sense: Sense,
     /// The bound of a constraint; 0 for an objective.
-    pub bound: f64,
+    pub(crate) bound: f64,
 }
 
 impl Goal {
@@ -41,20 +41,20 @@ impl Goal {
 
 /// Minimise (the sign applied) one criterion of a candidate under constraints on others.
 #[derive(Debug)]
-pub(crate) struct DesignProblem {
+pub struct DesignProblem {
     /// The criteria of the objective and the constraints.
-    pub evaluator: Evaluator,
+    pub(crate) evaluator: Evaluator,
     /// The objective.
-    pub objective: Goal,
+    pub(crate) objective: Goal,
     /// The constraints.
     pub(crate) constraints: Vec<Goal>,
 }
 
 /// Buffers of one thread.
 #[derive(Debug, Default)]
-pub(crate) struct ProblemScratch {
+pub struct ProblemScratch {
     /// Those of the criteria.
-    pub evaluator: EvaluatorScratch,
+    pub(crate) evaluator: EvaluatorScratch,
     criteria: Vec<f64>,
 }
 

@@ -483,6 +483,24 @@ fn design_problem(
     })
 }
 
+/// The problems of a design task at the host's own parameters, each with its layout in words: for users who bring their own
+/// optimiser, and for benchmarks.
+///
+/// # Errors
+/// There is no such design task, or whatever is wrong with the study.
+pub fn problems(study: &Study, task: &str) -> Result<Vec<(String, DesignProblem)>, Fault> {
+    let design = study.tasks.iter().find_map(|known| match &known.kind {
+        TaskKind::Design(design) if known.name == task => Some(design),
+        _ => None,
+    });
+    let design = design.ok_or_else(|| Fault::new(format!("the study has no design task `{task}`")))?;
+    let situation = situation::build(&study.host, &study.overrides, &[])?;
+    Candidates::of(design)
+        .iter()
+        .map(|candidate| Ok((candidate.label(), design_problem(study, &situation, design, &candidate)?)))
+        .collect()
+}
+
 struct Runner<'a> {
     study: &'a Study,
     settings: &'a RunSettings,
@@ -535,6 +553,7 @@ impl Runner<'_> {
                         value: quantity.value,
                         unit: quantity.dimension.unit_text(),
                         bounds: None,
+                        logarithmic: false,
                     });
                 Ok(PointOutcome {
                     at: at.collect(),
