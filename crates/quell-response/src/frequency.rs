@@ -1009,11 +1009,14 @@ pub(crate) fn checked_band(band: (f64, f64)) -> Result<(f64, f64), ResponseError
 fn grid(assembly: &Assembly, band: (f64, f64), points: usize) -> Vec<f64> {
     let (low, high) = band;
     let half = points / 2;
-    // Below a thousandth of the upper edge linear systems are at rest: few logarithmic points go there.
+    // Below a thousandth of the upper edge most systems are at rest: a few points a decade go there.
     let start = low.max(1e-3 * high);
     let mut omegas = vec![low, high];
     if start > low {
-        omegas.extend([(low * start).sqrt(), start]);
+        let below = (3.0 * (start / low).log10()).ceil().max(1.0);
+        for i in 1..=below as usize {
+            omegas.push(low * (start / low).powf(i as f64 / below));
+        }
     }
     for i in 1..half {
         let share = i as f64 / half as f64;

@@ -73,7 +73,8 @@ fn bounds_hold_and_plans_find_the_peak() {
         "{certified} of {total} certified within 1e-6; plans of 100 points missed {missed} peaks"
     );
     assert!(certified >= total * 99 / 100);
-    assert!(missed <= total / 50);
+    // A plan may miss two resonances in one gap; with 100 points that is rare (none of these at the time of writing).
+    assert!(missed <= total / 200);
 }
 
 #[test]

@@ -142,7 +142,7 @@ fn variance_optimum_of_warburton_and_asami() {
     // Force on the mass, white noise: f² = (2+μ)/(2(1+μ)²), ζ² = μ(4+3μ)/(8(1+μ)(2+μ)) (Warburton 1982; Asami et al. 2002).
     let system = assembly(single(1.0, 0.0, 1.0), &[(0, "(k | c) + b")]);
     let output = form(&[(coordinate(0, 0), 1.0)]);
-    for mu in [0.02, 0.05, 0.3] {
+    for mu in [0.02_f64, 0.05, 0.3] {
         let f = (1.0 + 0.5 * mu).sqrt() / (1.0 + mu);
         let zeta = (mu * (4.0 + 3.0 * mu) / (8.0 * (1.0 + mu) * (2.0 + mu))).sqrt();
         let value = |f: f64, zeta: f64| {

@@ -169,6 +169,31 @@ fn random_devices_have_the_predicted_modes() {
     );
 }
 
+/// Values over eight decades: the number of modes does not depend on them, and none grows.
+#[test]
+fn extreme_values_change_no_rank() {
+    for seed in 0..1500 {
+        let mut random = Random::new(seed + 31_000_000);
+        let built = random_host(&mut random, true, false);
+        let built = random_port(&mut random, built);
+        let count = 1 + random.below(6);
+        let text = random_layout(&mut random, count);
+        let system = assembly(built, &[(0, &text)]);
+        let values = random_values(&mut random, &system, 4.0);
+        let modes = system.modes(&values).unwrap();
+        assert_eq!(
+            modes.count(),
+            system.predicted_modes(),
+            "seed {seed}: {text}"
+        );
+        // Rounding of undamped pairs: 1e-14 of |A|, which spans eight decades here.
+        assert!(
+            modes.growth().unwrap() < 1e-14 * modes.scale,
+            "seed {seed}: {text}"
+        );
+    }
+}
+
 /// Several devices, also two on one port: predicted numbers add up, nothing grows.
 #[test]
 fn several_devices_add_their_orders() {
