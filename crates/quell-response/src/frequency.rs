@@ -207,7 +207,7 @@ impl Plan {
         for (signal, coefficient) in &form.terms {
             match signal {
                 Signal::Coordinate { .. } | Signal::Input { .. } => {
-                    plain.terms.push((signal.clone(), *coefficient))
+                    plain.terms.push((signal.clone(), *coefficient));
                 }
                 Signal::PortForce { index } => {
                     if let Some(place) = used.iter().position(|port| port == index) {
