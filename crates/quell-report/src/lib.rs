@@ -1,6 +1,7 @@
 //! Pictures of networks and responses, and the HTML report.
 //!
-//! The report is written from plain data ([`page::Page`]): the crate knows how things look, not where they come from.
+//! The report is written from plain data ([`page::Page`]), which knows how things look, not where they come from;
+//! [`html`] fills it from what the run of a study found.
 
 mod html;
 pub mod layout;
@@ -8,5 +9,8 @@ pub mod number;
 pub mod page;
 pub mod plot;
 pub mod schematic;
+mod study;
 pub mod symbols;
 mod text;
+
+pub use study::{html, page as page_of, shown_unit};

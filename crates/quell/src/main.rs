@@ -19,7 +19,16 @@ use arguments::{Arguments, Command};
 use terminal::Exit;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version go to standard output and are what was asked for; anything else is a mistake in what was
+            // typed, and 2 is taken by runs that failed.
+            let code = u8::from(error.use_stderr());
+            let _ = error.print();
+            return ExitCode::from(code);
+        }
+    };
     let result = match arguments.command {
         Command::Check(options) => check::check(&options),
         Command::Run(options) => run::run(&options),

@@ -22,24 +22,27 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
         threads: options.threads.map(usize::from),
         tasks: options.task.clone(),
     };
+    let made = prepare(&folder)?;
     let bar = Bar::new();
-    let outcome = quell_study::run(&study, &settings, &bar).map_err(|error| match error {
-        RunError::Study(fault) => Exit::Study(fault),
-        RunError::Failed(fault) => Exit::Run(fault),
-    })?;
+    let outcome = quell_study::run(&study, &settings, &bar);
     bar.finish();
-
-    fs::create_dir_all(&folder).map_err(|error| {
-        Exit::failed(format!(
-            "the folder `{}` could not be made: {error}",
-            folder.display()
-        ))
+    let outcome = outcome.map_err(|error| {
+        // A study that cannot run leaves no empty folder behind; one that was there stays.
+        if made {
+            let _ = fs::remove_dir(&folder);
+        }
+        match error {
+            RunError::Study(fault) => Exit::Study(fault),
+            RunError::Failed(fault) => Exit::Run(fault),
+        }
     })?;
+
     let results = serde_json::to_string_pretty(&outcome.results)
         .map_err(|error| Exit::failed(format!("the results could not be written: {error}")))?;
-    write(&folder.join("results.json"), &format!("{results}\n"))?;
+    // The results come last: a folder that holds them holds a whole run.
     let report = folder.join("report.html");
     write(&report, &quell_report::html(&study, &outcome))?;
+    write(&folder.join("results.json"), &format!("{results}\n"))?;
 
     let mut text = shortlist::text(&study, &outcome);
     text.push_str(&format!("\nReport: {}\n", report.display()));
@@ -66,12 +69,30 @@ fn refuse_to_overwrite(folder: &Path, force: bool) -> Result<(), Exit> {
     )))
 }
 
+/// Makes the folder and tries it, before time is spent on what could not be kept; true where it was not there.
+fn prepare(folder: &Path) -> Result<bool, Exit> {
+    let made = !folder.exists();
+    let cannot = |error: std::io::Error| {
+        Exit::failed(format!(
+            "the folder `{}` cannot be written, so nothing was run: {error}",
+            folder.display()
+        ))
+    };
+    fs::create_dir_all(folder).map_err(cannot)?;
+    let trial = folder.join("results.partial");
+    fs::write(&trial, "").map_err(cannot)?;
+    fs::remove_file(&trial).map_err(cannot)?;
+    Ok(made)
+}
+
 /// Writes beside the target and renames, so that a reader never sees half a file.
 fn write(path: &Path, text: &str) -> Result<(), Exit> {
     let beside = path.with_extension("partial");
     fs::write(&beside, text)
         .and_then(|()| fs::rename(&beside, path))
         .map_err(|error| {
+            // Half a file is of no use to anybody.
+            let _ = fs::remove_file(&beside);
             Exit::failed(format!(
                 "`{}` could not be written: {error}",
                 path.display()

@@ -47,8 +47,13 @@ pub(crate) fn print(text: &str) -> Result<(), Exit> {
     output
         .write_all(text.as_bytes())
         .and_then(|()| output.flush())
-        .map_err(|error| match error.kind() {
-            io::ErrorKind::BrokenPipe => Exit::Closed,
-            _ => Exit::failed(format!("standard output could not be written: {error}")),
-        })
+        .map_err(|error| output_failed(&error))
+}
+
+/// What to do when standard output cannot be written.
+pub(crate) fn output_failed(error: &io::Error) -> Exit {
+    match error.kind() {
+        io::ErrorKind::BrokenPipe => Exit::Closed,
+        _ => Exit::failed(format!("standard output could not be written: {error}")),
+    }
 }

@@ -1,0 +1,482 @@
+//! The section of one task.
+
+use quell_study::study::{DesignTask, SweepValues, TaskKind as Asked};
+use quell_study::{
+    Design, DesignFindings, Evaluated, Findings, NamedValue, PointOutcome, Role, RunOutcome, Sense,
+    TaskOutcome,
+};
+
+use super::{Bridge, shown_unit};
+use crate::number::{compact, significant, unit};
+use crate::page::{
+    self, Configuration, CriterionColumn, CriterionValue, Parameter, Quantity, ReferenceRow,
+    SweepPoint, TaskKind, TaskSection,
+};
+use crate::plot::{self, Axis, Plot, Series};
+
+/// Designs drawn over the references.
+const DRAWN: usize = 3;
+
+/// Points of a sweep whose responses are drawn in one picture.
+const DRAWN_POINTS: usize = 6;
+
+impl Bridge<'_> {
+    pub(super) fn task(&self, task: &TaskOutcome, outcome: &RunOutcome) -> TaskSection {
+        let asked = self.study.tasks.iter().find(|known| known.name == task.name);
+        let design = asked.and_then(|asked| match &asked.kind {
+            Asked::Design(design) => Some(design.as_ref()),
+            Asked::Evaluate(_) => None,
+        });
+        let criteria = self.columns(task, design);
+        let swept = task.points.iter().any(|point| !point.at.is_empty());
+        let mut section = TaskSection {
+            name: task.name.clone(),
+            kind: if design.is_some() {
+                TaskKind::Design
+            } else {
+                TaskKind::Evaluate
+            },
+            words: self.words(task, design),
+            status: outcome
+                .results
+                .tasks
+                .get(&task.name)
+                .map(|result| result.status.clone())
+                .filter(|status| status != "done"),
+            criteria,
+            ..TaskSection::default()
+        };
+        if let Some(sweep) = asked.map(|asked| &asked.sweep).filter(|_| swept) {
+            let axes: Vec<String> = sweep
+                .iter()
+                .map(|axis| {
+                    let points = match &axis.values {
+                        SweepValues::Range { points, .. } => *points,
+                        SweepValues::List(values) => values.len(),
+                    };
+                    format!("{points} values of `{}`", axis.parameter)
+                })
+                .collect();
+            section.words.push(format!("Swept over {}.", axes.join(" and ")));
+        }
+        let first = task.points.first();
+        section.references = first.map_or(Vec::new(), |point| {
+            self.references(point, design, &section.criteria)
+        });
+        if swept {
+            section.sweep = task
+                .points
+                .iter()
+                .map(|point| SweepPoint {
+                    at: point.at.iter().map(parameter).collect(),
+                    designs: self.designs(point, design, &section.criteria),
+                    configurations: self.configurations(point, &section.criteria),
+                })
+                .collect();
+            // References move with the swept parameter, so one row of numbers cannot stand for them.
+            for reference in &mut section.references {
+                reference.criteria.clear();
+            }
+            section.plots = swept_plots(task);
+        } else if let Some(point) = first {
+            section.designs = self.designs(point, design, &section.criteria);
+            section.configurations = self.configurations(point, &section.criteria);
+            section.plots = point.plots.iter().map(response).collect();
+        }
+        section
+    }
+
+    /// The objective first, then constrained criteria, then the others.
+    fn columns(&self, task: &TaskOutcome, design: Option<&DesignTask>) -> Vec<CriterionColumn> {
+        let point = task.points.first();
+        let one = point.and_then(|point| super::problem::evaluated(&point.findings).next());
+        let Some(one) = one else {
+            return Vec::new();
+        };
+        let constraints: &[String] = match point.map(|point| &point.findings) {
+            Some(Findings::Design(findings)) => &findings.constraints,
+            _ => &[],
+        };
+        let mut columns: Vec<(usize, CriterionColumn)> = one
+            .criteria
+            .keys()
+            .map(|name| {
+                let detail = one.details.get(name);
+                let si_unit = detail.map_or("", |detail| detail.unit.as_str());
+                let mut roles: Vec<&str> = Vec::new();
+                let objective = design.is_some_and(|design| design.objective == *name);
+                if let Some(design) = design.filter(|_| objective) {
+                    roles.push(match design.sense {
+                        Sense::Minimise => "minimised",
+                        Sense::Maximise => "maximised",
+                    });
+                }
+                let bounds = constraints.iter().filter_map(|text| {
+                    text.strip_prefix(name.as_str())
+                        .and_then(|rest| rest.strip_prefix(' '))
+                });
+                roles.extend(bounds);
+                let place = match (objective, roles.is_empty()) {
+                    (true, _) => 0,
+                    (false, false) => 1,
+                    (false, true) => 2,
+                };
+                let column = CriterionColumn {
+                    name: name.clone(),
+                    unit: shown_unit(self.study, name, si_unit).1.to_owned(),
+                    role: roles.join(", "),
+                };
+                (place, column)
+            })
+            .collect();
+        columns.sort_by_key(|(place, _)| *place);
+        columns.into_iter().map(|(_, column)| column).collect()
+    }
+
+    fn words(&self, task: &TaskOutcome, design: Option<&DesignTask>) -> Vec<String> {
+        let Some(design) = design else {
+            return Vec::new();
+        };
+        let findings = task.points.first().and_then(|point| match &point.findings {
+            Findings::Design(findings) => Some(findings.as_ref()),
+            Findings::Evaluate(_) => None,
+        });
+        let verb = match design.sense {
+            Sense::Minimise => "Smallest",
+            Sense::Maximise => "Largest",
+        };
+        let mut sentence = format!("{verb} `{}`", design.objective);
+        if let Some(criterion) = self.study.criteria.get(&design.objective) {
+            sentence.push_str(&format!(" ({})", self.meaning(criterion)));
+        }
+        if let Some(findings) = findings {
+            sentence.push_str(&format!(" of {}", findings.candidates));
+            if !findings.constraints.is_empty() {
+                sentence.push_str(&format!(
+                    "; subject to `{}`",
+                    findings.constraints.join("`, `")
+                ));
+            }
+        }
+        sentence.push('.');
+        let mut words = vec![sentence];
+        if !design.fixed.is_empty() {
+            let fixed: Vec<String> = design
+                .fixed
+                .iter()
+                .map(|(name, amount)| format!("`{name} = {}`", amount.expression()))
+                .collect();
+            words.push(format!("Not designed: {}.", fixed.join(", ")));
+        }
+        words
+    }
+
+    fn references(
+        &self,
+        point: &PointOutcome,
+        design: Option<&DesignTask>,
+        columns: &[CriterionColumn],
+    ) -> Vec<ReferenceRow> {
+        let Findings::Design(findings) = &point.findings else {
+            return Vec::new();
+        };
+        findings
+            .references
+            .iter()
+            .map(|reference| ReferenceRow {
+                name: reference.name.clone(),
+                words: reference_words(reference),
+                criteria: self.values(reference, &point.at, design, columns),
+            })
+            .collect()
+    }
+
+    fn designs(
+        &self,
+        point: &PointOutcome,
+        design: Option<&DesignTask>,
+        columns: &[CriterionColumn],
+    ) -> Vec<page::Design> {
+        let Findings::Design(findings) = &point.findings else {
+            return Vec::new();
+        };
+        findings
+            .designs
+            .iter()
+            .map(|found| self.design(found, findings, point, design, columns))
+            .collect()
+    }
+
+    fn design(
+        &self,
+        found: &Design,
+        findings: &DesignFindings,
+        point: &PointOutcome,
+        design: Option<&DesignTask>,
+        columns: &[CriterionColumn],
+    ) -> page::Design {
+        let detail = found.configuration.details.get(&findings.objective);
+        let si_unit = detail.map_or("", |detail| detail.unit.as_str());
+        let (factor, shown) = shown_unit(self.study, &findings.objective, si_unit);
+        let mut certificate: Vec<String> = detail.map(sureness).into_iter().collect();
+        if found.status != "starts agree" && found.status != "one start" {
+            certificate.push(found.status.clone());
+        }
+        page::Design {
+            rank: found.rank,
+            devices: self.devices(&found.configuration.devices, &found.active_bounds),
+            objective: Quantity::new(found.objective / factor, shown),
+            criteria: self.values(&found.configuration, &point.at, design, columns),
+            improvements: findings
+                .references
+                .iter()
+                .map(|reference| {
+                    found
+                        .improvement
+                        .get(&reference.name)
+                        .map_or(f64::NAN, |gain| 100.0 * gain)
+                })
+                .collect(),
+            starts: found.starts,
+            starts_agreeing: found.starts_agreeing,
+            evaluations: found.evaluations,
+            feasible: found.feasible,
+            certificate: certificate.join(" · "),
+        }
+    }
+
+    fn configurations(
+        &self,
+        point: &PointOutcome,
+        columns: &[CriterionColumn],
+    ) -> Vec<Configuration> {
+        let Findings::Evaluate(configurations) = &point.findings else {
+            return Vec::new();
+        };
+        configurations
+            .iter()
+            .map(|one| Configuration {
+                name: one.name.clone(),
+                devices: self.devices(&one.devices, &[]),
+                criteria: self.values(one, &point.at, None, columns),
+            })
+            .collect()
+    }
+
+    /// The criteria of a configuration, one for each column, in the units of the columns.
+    fn values(
+        &self,
+        one: &Evaluated,
+        at: &[NamedValue],
+        design: Option<&DesignTask>,
+        columns: &[CriterionColumn],
+    ) -> Vec<CriterionValue> {
+        columns
+            .iter()
+            .map(|column| {
+                let value = one.criteria.get(&column.name).copied().unwrap_or(f64::NAN);
+                let detail = one.details.get(&column.name);
+                let mut note: Vec<String> = Vec::new();
+                if let Some(at) = detail.and_then(|detail| detail.at_hz) {
+                    note.push(format!("at {}\u{a0}Hz", significant(at, 4)));
+                }
+                if let Some(detail) = detail.filter(|_| !value.is_finite()) {
+                    note.push(detail.status.clone());
+                }
+                CriterionValue {
+                    value: value / shown_unit(self.study, &column.name, "").0,
+                    note: note.join(", "),
+                    violated: design
+                        .is_some_and(|design| self.violates(design, &column.name, value, at)),
+                }
+            })
+            .collect()
+    }
+
+    fn violates(&self, design: &DesignTask, name: &str, value: f64, at: &[NamedValue]) -> bool {
+        let own = design
+            .constraints
+            .iter()
+            .filter(|constraint| constraint.criterion == name);
+        own.into_iter().any(|constraint| {
+            // A bound may depend on what is swept.
+            let Ok(standing) = self.study.standing(at) else {
+                return false;
+            };
+            let Ok(bound) = constraint.bound.quantity(&standing.parameters) else {
+                return false;
+            };
+            let excess = match constraint.sense {
+                Sense::Minimise => value - bound.value,
+                Sense::Maximise => bound.value - value,
+            };
+            excess > design.feasibility * bound.value.abs()
+        })
+    }
+}
+
+fn parameter(value: &NamedValue) -> Parameter {
+    Parameter {
+        name: value.name.clone(),
+        value: Quantity::new(value.value, &value.unit),
+    }
+}
+
+/// What a reference is, where its name does not say so.
+fn reference_words(reference: &Evaluated) -> String {
+    let layouts: Vec<&str> = reference
+        .devices
+        .iter()
+        .map(|device| device.designed.as_str())
+        .collect();
+    let layouts = layouts.join("; ");
+    if layouts == reference.name {
+        "designed within the same bounds".to_owned()
+    } else if layouts.is_empty() {
+        "without any device".to_owned()
+    } else {
+        layouts
+    }
+}
+
+/// How surely a value is known.
+fn sureness(detail: &quell_study::results::CriterionDetail) -> String {
+    match detail.achieved_tolerance {
+        Some(tolerance) if tolerance > 0.0 => {
+            format!("{} within {}", detail.status, significant(tolerance, 2))
+        }
+        _ => detail.status.clone(),
+    }
+}
+
+/// A response as it is drawn: references in grey, designs in colour.
+fn response(plot: &quell_study::Plot) -> Plot {
+    let mut references = 0;
+    let mut evaluated = false;
+    let series: Vec<Series> = plot
+        .series
+        .iter()
+        .filter_map(|series| {
+            let (role, name) = match series.role {
+                Role::Reference => {
+                    references += 1;
+                    let role = if references == 1 {
+                        plot::Role::Baseline
+                    } else {
+                        plot::Role::Reference
+                    };
+                    (role, series.name.clone())
+                }
+                Role::Design(rank) if rank <= DRAWN => {
+                    (plot::Role::Design, format!("{rank}: {}", series.name))
+                }
+                Role::Design(_) => return None,
+                Role::Configuration => {
+                    evaluated = true;
+                    (plot::Role::Design, series.name.clone())
+                }
+            };
+            Some(curve(series, name, role))
+        })
+        .collect();
+    let caption = match (references, series.len() - references) {
+        _ if evaluated => "Response over frequency; peaks are marked.",
+        (0, _) => "Responses of the best designs; peaks are marked.",
+        (_, 1) => "Response of the design over the references; peaks are marked.",
+        _ => "Responses of the best designs over the references; peaks are marked.",
+    };
+    picture(plot, caption.to_owned(), series)
+}
+
+fn curve(series: &quell_study::Series, name: String, role: plot::Role) -> Series {
+    Series {
+        name,
+        role,
+        points: series.points.clone(),
+        peak: series.peak,
+        markers: false,
+    }
+}
+
+fn picture(plot: &quell_study::Plot, caption: String, series: Vec<Series>) -> Plot {
+    Plot {
+        caption,
+        x: Axis {
+            label: "Frequency".to_owned(),
+            unit: "Hz".to_owned(),
+            logarithmic: plot.logarithmic,
+        },
+        y: Axis {
+            label: plot.quantity.clone(),
+            unit: plot.unit.clone(),
+            logarithmic: plot.logarithmic && wide(&series),
+        },
+        series,
+        limits: Vec::new(),
+    }
+}
+
+/// Whether the values span so many decades that a linear axis hides most of them.
+fn wide(series: &[Series]) -> bool {
+    let values = series
+        .iter()
+        .flat_map(|series| &series.points)
+        .map(|(_, value)| *value)
+        .filter(|value| *value > 0.0);
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    for value in values {
+        least = least.min(value);
+        most = most.max(value);
+    }
+    most > 300.0 * least
+}
+
+/// One picture for each response: the best design, or the only configuration, at points spread over the sweep.
+fn swept_plots(task: &TaskOutcome) -> Vec<Plot> {
+    let Some(first) = task.points.first() else {
+        return Vec::new();
+    };
+    let count = task.points.len();
+    let shown = count.min(DRAWN_POINTS);
+    let chosen: Vec<&PointOutcome> = (0..shown)
+        .filter_map(|index| {
+            task.points
+                .get(index * (count - 1) / (shown - 1).max(1))
+        })
+        .collect();
+    first
+        .plots
+        .iter()
+        .enumerate()
+        .map(|(index, plot)| {
+            let series = chosen
+                .iter()
+                .filter_map(|point| {
+                    let own = point.plots.get(index)?.series.iter();
+                    let best = own
+                        .clone()
+                        .find(|series| matches!(series.role, Role::Design(1)))
+                        .or_else(|| own.clone().find(|series| series.role == Role::Configuration))?;
+                    Some(curve(best, at_words(&point.at), plot::Role::Design))
+                })
+                .collect();
+            let caption = "Response of the best design at points of the sweep; peaks are marked.";
+            picture(plot, caption.to_owned(), series)
+        })
+        .collect()
+}
+
+fn at_words(at: &[NamedValue]) -> String {
+    let words: Vec<String> = at
+        .iter()
+        .map(|value| {
+            let number = compact(value.value, 4);
+            if value.unit.is_empty() {
+                format!("{} = {number}", value.name)
+            } else {
+                format!("{} = {number} {}", value.name, unit(&value.unit))
+            }
+        })
+        .collect();
+    words.join(", ")
+}
