@@ -14,8 +14,11 @@ fn main() {
     divan::main();
 }
 
-const LAYOUTS: [&str; 3] =
-    ["track1", "track1 + (track2 | restriction1)", "track1 + restriction1 + (track2 | restriction2)"];
+const LAYOUTS: [&str; 3] = [
+    "track1",
+    "track1 + (track2 | restriction1)",
+    "track1 + restriction1 + (track2 | restriction2)",
+];
 
 fn problem(layout: &str) -> DesignProblem {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies/engine-mount-linear.toml");
@@ -37,7 +40,8 @@ fn points(problem: &DesignProblem) -> Vec<Vec<f64>> {
                 .iter()
                 .enumerate()
                 .map(|(place, variable)| {
-                    let share = (0.5 + f64::from(index) * 0.618_034 * (place as f64 + 1.0).sqrt()).fract();
+                    let share =
+                        (0.5 + f64::from(index) * 0.618_034 * (place as f64 + 1.0).sqrt()).fract();
                     variable.value(share)
                 })
                 .collect()
@@ -50,9 +54,14 @@ fn evaluation(bencher: divan::Bencher<'_, '_>, layout: &str) {
     let problem = problem(layout);
     let points = points(&problem);
     let mut scratch = problem.scratch();
-    bencher.counter(ItemsCount::new(points.len())).bench_local(|| {
-        points.iter().map(|point| problem.evaluate(point, &mut [], &mut scratch)).sum::<f64>()
-    });
+    bencher
+        .counter(ItemsCount::new(points.len()))
+        .bench_local(|| {
+            points
+                .iter()
+                .map(|point| problem.evaluate(point, &mut [], &mut scratch))
+                .sum::<f64>()
+        });
 }
 
 #[divan::bench(args = LAYOUTS)]
@@ -61,7 +70,12 @@ fn pieces(bencher: divan::Bencher<'_, '_>, layout: &str) {
     let points = points(&problem);
     let mut scratch = problem.scratch();
     let mut pieces = Pieces::new(problem.variables().len());
-    bencher.counter(ItemsCount::new(points.len())).bench_local(|| {
-        points.iter().filter(|point| problem.pieces(point, 0.5, &mut pieces, &mut scratch)).count()
-    });
+    bencher
+        .counter(ItemsCount::new(points.len()))
+        .bench_local(|| {
+            points
+                .iter()
+                .filter(|point| problem.pieces(point, 0.5, &mut pieces, &mut scratch))
+                .count()
+        });
 }

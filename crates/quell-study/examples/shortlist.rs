@@ -8,11 +8,19 @@ use quell_study::{Findings, RunSettings, Silent, Study};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
-    let path = arguments.next().unwrap_or_else(|| "studies/engine-mount-linear.toml".to_owned());
-    let seed = arguments.next().and_then(|seed| seed.parse().ok()).unwrap_or(1);
+    let path = arguments
+        .next()
+        .unwrap_or_else(|| "studies/engine-mount-linear.toml".to_owned());
+    let seed = arguments
+        .next()
+        .and_then(|seed| seed.parse().ok())
+        .unwrap_or(1);
     let started = Instant::now();
     let study = Study::read(Path::new(&path)).map_err(|fault| fault.render())?;
-    let settings = RunSettings { seed, ..RunSettings::default() };
+    let settings = RunSettings {
+        seed,
+        ..RunSettings::default()
+    };
     let outcome = quell_study::run(&study, &settings, &Silent)?;
     for task in &outcome.tasks {
         for point in &task.points {
@@ -41,6 +49,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     let engine = &outcome.results.engine;
-    println!("{} evaluations, {:.2} s", engine.evaluations, started.elapsed().as_secs_f64());
+    println!(
+        "{} evaluations, {:.2} s",
+        engine.evaluations,
+        started.elapsed().as_secs_f64()
+    );
     Ok(())
 }

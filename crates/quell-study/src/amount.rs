@@ -81,9 +81,18 @@ impl Amount {
     /// # Errors
     /// Unknown names, units that do not fit together.
     pub fn quantity(&self, scope: &dyn Scope) -> Result<Quantity, Fault> {
-        self.expression
+        let quantity = self
+            .expression
             .evaluate(scope)
-            .map_err(|error| Fault::from_expression(&self.source, error))
+            .map_err(|error| Fault::from_expression(&self.source, error))?;
+        if quantity.value.is_finite() {
+            Ok(quantity)
+        } else {
+            Err(self.fault(format!(
+                "`{}` is not a finite number",
+                self.expression.excerpt()
+            )))
+        }
     }
 
     /// The SI value, checked against what is expected. A plain number is taken as SI, save where a frequency is expected.
@@ -95,35 +104,45 @@ impl Amount {
         if expected.accepts(&quantity.dimension) {
             return Ok(quantity.value);
         }
-        if self.is_plain() && expected != Dimension::ANGULAR_FREQUENCY {
+        let frequency = expected == Dimension::ANGULAR_FREQUENCY;
+        // Zero is zero in Hz and in rad/s.
+        if self.is_plain() && (!frequency || quantity.value == 0.0) {
             return Ok(quantity.value);
         }
-        if expected == Dimension::ANGULAR_FREQUENCY {
+        let unitless = quantity.dimension == Dimension::NONE;
+        if frequency && unitless {
             let number = quantity.value;
             return Err(self
                 .fault(format!(
                     "`{}` is ambiguous for a frequency",
-                    self.expression
+                    self.expression.excerpt()
                 ))
                 .label("Hz or rad/s?")
                 .help(format!("write \"{number} Hz\" or \"{number} rad/s\"")));
         }
-        Err(self
-            .fault(format!(
-                "expected {}, found {}",
-                described(expected),
-                described(quantity.dimension)
+        let fault = self.fault(format!(
+            "expected {}, found {}",
+            described(expected),
+            described(quantity.dimension)
+        ));
+        Err(if frequency {
+            fault.help("a frequency has the unit `Hz`, `rad/s` or `rpm`")
+        } else if unitless {
+            fault.help(format!(
+                "write the unit after the number, such as `{}`",
+                expected.unit_text()
             ))
-            .label(format!("this is {}", described(quantity.dimension))))
+        } else {
+            fault
+        })
     }
 }
 
-/// A dimension in words: `N/m`, or `a plain number`.
+/// A dimension in words: "a quantity in `N/m`", or "a plain number".
 pub(crate) fn described(dimension: Dimension) -> String {
-    let unit = dimension.unit_text();
-    if unit.is_empty() || unit == "1" {
+    if dimension == Dimension::NONE {
         "a plain number".to_owned()
     } else {
-        format!("a quantity in {unit}")
+        format!("a quantity in `{}`", dimension.unit_text())
     }
 }

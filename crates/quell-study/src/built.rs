@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use indexmap::IndexMap;
-use quell_document::Fault;
+use quell_document::{Fault, Source};
 use quell_expression::{Dimension, Scope, Span};
 use quell_model::DevicePart;
 use quell_network::{
@@ -47,8 +47,6 @@ pub(crate) struct Values<'a> {
     pub bounds: &'a IndexMap<String, Bounds>,
     /// Whether anything may be searched; otherwise a value that is not given is an error.
     pub searched: bool,
-    /// Where the configuration or task stands.
-    pub place: Span,
 }
 
 /// A device on its port.
@@ -59,6 +57,8 @@ struct Attachment {
     port: usize,
     layout: Layout,
     designed: String,
+    /// Where its layout was asked for.
+    span: Span,
     expansion: Expansion,
     /// Its elements among all mechanical values.
     elements: Range<usize>,
@@ -268,6 +268,21 @@ impl Built {
         (devices, parts)
     }
 
+    /// Names under which values may be given, and those of the places that take a layout.
+    pub(crate) fn value_names(&self) -> Vec<String> {
+        self.attachments
+            .iter()
+            .flat_map(|attachment| {
+                let variables = attachment.expansion.variables().iter();
+                let own = match &attachment.device.layout {
+                    None => vec![attachment.name.clone()],
+                    Some(_) => attachment.device.slots.clone(),
+                };
+                variables.map(|variable| variable.name.clone()).chain(own)
+            })
+            .collect()
+    }
+
     /// Name and own value of an element whose value is not finite, or negative, at these design variables.
     pub(crate) fn impossible_value(&self, point: &[f64]) -> Option<(String, f64)> {
         self.devices(point)
@@ -414,7 +429,7 @@ impl<'a> Builder<'a> {
             };
             let components = self.situation.components(self.study)?;
             let expansion = expand(&layout, &components, piston, &self.situation.parameters)
-                .map_err(|error| self.component_fault(error, span))?;
+                .map_err(|error| component_fault(self.study, error, span))?;
             let elements = first_element..first_element + expansion.network().elements().len();
             let variables = first_variable..first_variable + expansion.variables().len();
             (first_element, first_variable) = (elements.end, variables.end);
@@ -424,43 +439,13 @@ impl<'a> Builder<'a> {
                 port,
                 layout,
                 designed,
+                span,
                 expansion,
                 elements,
                 variables,
             });
         }
         Ok(attachments)
-    }
-
-    fn component_fault(&self, error: ComponentError, span: Span) -> Fault {
-        let source = &self.study.source;
-        let place = |component: &str, element: &str| {
-            let known = self.study.components.get(component);
-            known
-                .and_then(|known| known.values.get(element))
-                .map_or(span, Amount::span)
-        };
-        match error {
-            ComponentError::Expression {
-                component,
-                element,
-                error,
-            } => {
-                let fault = Fault::from_expression(source, error.clone());
-                // A value that has no number at the middle of its bounds has no place of its own in the text.
-                if error.span == Span::default() {
-                    Fault::at(source, place(&component, &element), error.message)
-                } else {
-                    fault
-                }
-            }
-            ComponentError::Dimension {
-                ref component,
-                ref element,
-                ..
-            } => Fault::at(source, place(component, element), error.to_string()),
-            other => Fault::at(source, span, other.to_string()),
-        }
     }
 
     /// A mass can only stand where the far side of the device is the inertial frame.
@@ -635,7 +620,7 @@ impl<'a> Builder<'a> {
         };
         let fault = Fault::at(
             &self.study.source,
-            self.values.place,
+            wanted.attachment.span,
             format!(
                 "`{name}` in the layout `{}` of `{}` has {what}",
                 wanted.attachment.layout, wanted.attachment.name
@@ -652,7 +637,11 @@ impl<'a> Builder<'a> {
         } else {
             format!("\"… {unit}\"")
         };
-        fault.help(if self.values.searched {
+        fault.help(if wanted.in_frame && wanted.element.is_some() {
+            format!(
+                "add `{key} = {example}` to `values` of the device, or give the host a parameter of that name"
+            )
+        } else if self.values.searched {
             format!(
                 "add it to `bounds` of the task (`{key} = [{example}, {example}]`) or to `fixed`"
             )
@@ -662,12 +651,8 @@ impl<'a> Builder<'a> {
     }
 
     fn variable(&mut self, wanted: &Wanted<'_>, bounds: &Bounds) -> Result<Origin, Fault> {
-        let fault = |message: String| Fault::at(&self.study.source, bounds.span, message);
         let lower = bounds
             .lower
-            .value(&self.situation.parameters, wanted.dimension)?;
-        let upper = bounds
-            .upper
             .value(&self.situation.parameters, wanted.dimension)?;
         if let Some(element) = wanted.element.filter(|_| lower < 0.0) {
             let what = wanted.attachment.layout.domain().element_name(element);
@@ -681,23 +666,76 @@ impl<'a> Builder<'a> {
                     "a lower bound of 0 or a little more lets the search leave the element out",
                 ));
         }
-        let wide = lower > 0.0 && upper >= 10.0 * lower;
-        let scale = bounds.scale.unwrap_or(if wide {
-            Scale::Logarithmic
-        } else {
-            Scale::Linear
-        });
         let shown = if wanted.shared {
             format!("{}.{}", wanted.attachment.name, wanted.name)
         } else {
             wanted.name.to_owned()
         };
-        let variable = Variable::new(shown, lower, upper, scale).map_err(|error| {
-            fault(error.to_string())
-                .help("bounds are `[lower, upper]`; a value that does not vary belongs to `fixed`")
-        })?;
+        let variable = range(
+            shown,
+            wanted.dimension,
+            bounds,
+            &self.situation.parameters,
+            &self.study.source,
+        )?;
         self.variables.push(variable);
         Ok(Origin::Searched(self.variables.len() - 1))
+    }
+}
+
+/// A design variable from its bounds.
+///
+/// # Errors
+/// Bounds of another dimension, not finite, equal or reversed, or not positive where the scale is logarithmic.
+pub(crate) fn range(
+    name: String,
+    dimension: Dimension,
+    bounds: &Bounds,
+    parameters: &dyn Scope,
+    source: &Arc<Source>,
+) -> Result<Variable, Fault> {
+    let lower = bounds.lower.value(parameters, dimension)?;
+    let upper = bounds.upper.value(parameters, dimension)?;
+    let wide = lower > 0.0 && upper >= 10.0 * lower;
+    let scale = bounds.scale.unwrap_or(if wide {
+        Scale::Logarithmic
+    } else {
+        Scale::Linear
+    });
+    Variable::new(name, lower, upper, scale).map_err(|error| {
+        Fault::at(source, bounds.span, error.to_string())
+            .help("bounds are `[lower, upper]`; a value that does not vary belongs to `fixed`")
+    })
+}
+
+/// What is wrong with a component, at the value at fault where it is known and else at `span`.
+pub(crate) fn component_fault(study: &Study, error: ComponentError, span: Span) -> Fault {
+    let source = &study.source;
+    let place = |component: &str, element: &str| {
+        let known = study.components.get(component);
+        known
+            .and_then(|known| known.values.get(element))
+            .map_or(span, Amount::span)
+    };
+    match error {
+        ComponentError::Expression {
+            component,
+            element,
+            error,
+        } => {
+            // A value that has no number at the middle of its bounds has no place of its own in the text.
+            if error.span == Span::default() {
+                Fault::at(source, place(&component, &element), error.message)
+            } else {
+                Fault::from_expression(source, error)
+            }
+        }
+        ComponentError::Dimension {
+            ref component,
+            ref element,
+            ..
+        } => Fault::at(source, place(component, element), error.to_string()),
+        other => Fault::at(source, span, other.to_string()),
     }
 }
 

@@ -1,5 +1,6 @@
 //! The candidates of a design task: every combination of the layouts of its slots, one after the other.
 
+use indexmap::IndexMap;
 use quell_network::{Layout, Layouts};
 
 use crate::built::Candidate;
@@ -25,11 +26,7 @@ impl<'a> Candidates<'a> {
 
     /// How many there are, layouts that end wrongly in a mass included.
     pub(crate) fn count(&self) -> u128 {
-        self.design
-            .candidates
-            .values()
-            .map(set_count)
-            .fold(1, u128::saturating_mul)
+        count(&self.design.candidates)
     }
 
     /// How many, and up to which equivalence each is listed once.
@@ -56,13 +53,18 @@ impl<'a> Candidates<'a> {
     }
 }
 
+/// How many combinations there are of the layouts of all slots.
+pub(crate) fn count(sets: &IndexMap<Slot, CandidateSet>) -> u128 {
+    sets.values().map(set_count).fold(1, u128::saturating_mul)
+}
+
 fn set_count(set: &CandidateSet) -> u128 {
     match set {
         CandidateSet::Layouts(layouts) => layouts.len() as u128,
         CandidateSet::Budget { enumerations, .. } => enumerations
             .iter()
             .map(quell_network::Enumeration::count)
-            .sum(),
+            .fold(0, u128::saturating_add),
     }
 }
 

@@ -213,15 +213,7 @@ fn split(
     }
     let node = match &expression.node {
         Node::Negate(operand) => Node::Negate(Box::new(split(operand, context, functionals)?)),
-        Node::Binary {
-            operator,
-            left,
-            right,
-        } => Node::Binary {
-            operator: *operator,
-            left: Box::new(split(left, context, functionals)?),
-            right: Box::new(split(right, context, functionals)?),
-        },
+        Node::Binary { .. } => return split_chain(expression, context, functionals),
         Node::Call {
             function,
             function_span,
@@ -253,6 +245,37 @@ fn split(
     })
 }
 
+/// A chain such as a - b + c, in a loop: it may be thousands long.
+fn split_chain(
+    expression: &Expression,
+    context: &dyn RunContext,
+    functionals: &mut Vec<(Functional, Dimension)>,
+) -> Result<Expression, ExpressionError> {
+    let mut operations = Vec::new();
+    let mut first = expression;
+    while let Node::Binary {
+        operator,
+        left,
+        right,
+    } = &first.node
+    {
+        operations.push((first.span, *operator, right));
+        first = left;
+    }
+    let mut whole = split(first, context, functionals)?;
+    for (span, operator, right) in operations.into_iter().rev() {
+        whole = Expression {
+            node: Node::Binary {
+                operator,
+                left: Box::new(whole),
+                right: Box::new(split(right, context, functionals)?),
+            },
+            span,
+        };
+    }
+    Ok(whole)
+}
+
 /// The functional that a call stands for, if it stands for one.
 fn functional(
     expression: &Expression,
@@ -276,10 +299,17 @@ fn functional(
     match (function.as_str(), arguments.as_slice(), context.kind()) {
         ("max", [inner], RunKind::Frequency { band, .. }) => {
             let Some(signal) = magnitude_of(inner) else {
-                return refused(format!("`max({inner})` is not the peak of a magnitude"));
+                return refused(format!(
+                    "`max({})` is not the peak of a magnitude",
+                    inner.excerpt()
+                ));
             };
             if !band {
-                return refused("a peak is taken over a band, and the run has none".to_owned());
+                return Err(ExpressionError {
+                    span: *function_span,
+                    message: "a peak is taken over a band, and the run has none".to_owned(),
+                    help: Some("add `band = [\"0 Hz\", \"30 Hz\"]` to the run".to_owned()),
+                });
             }
             let (form, dimension) = context.signal(signal)?;
             Ok(Some((Functional::Peak(form), dimension)))
@@ -291,7 +321,7 @@ fn functional(
             {
                 return Err(ExpressionError {
                     span: at.span,
-                    message: format!("`{at}` is not a frequency above zero"),
+                    message: format!("`{}` is not a frequency above zero", at.excerpt()),
                     help: Some("write it with its unit: `12 Hz`".to_owned()),
                 });
             }
@@ -310,9 +340,16 @@ fn functional(
         }
         ("variance" | "rms", [signal], RunKind::Frequency { spectrum, .. }) => {
             let Some(spectrum) = spectrum else {
-                return refused(format!(
-                    "`{function}` needs a spectrum of the input, and the run has none"
-                ));
+                return Err(ExpressionError {
+                    span: *function_span,
+                    message: format!(
+                        "`{function}` needs a spectrum of the input, and the run has none"
+                    ),
+                    help: Some(
+                        "add `spectrum = \"1e-4 m^2/Hz\"` to the run, in the input's own unit squared per Hz; `h2(y)` needs none"
+                            .to_owned(),
+                    ),
+                });
             };
             let (form, dimension) = context.signal(signal)?;
             let variance = dimension * dimension * spectrum / Dimension::TIME;
@@ -328,7 +365,7 @@ fn functional(
                 _ => None,
             };
             let Some(modal) = modal else {
-                return refused(format!("`{inner}` is nothing that modes have"));
+                return refused(format!("`{}` is nothing that modes have", inner.excerpt()));
             };
             let statistic = if function == "min" {
                 Statistic::Least
@@ -340,9 +377,10 @@ fn functional(
                 modal.dimension(),
             )))
         }
-        ("h2" | "variance" | "rms", _, _) => {
-            refused(format!("`{expression}` is not what this run offers"))
-        }
+        ("h2" | "variance" | "rms", _, _) => refused(format!(
+            "`{}` is not what this run offers",
+            expression.excerpt()
+        )),
         _ => Ok(None),
     }
 }

@@ -119,7 +119,7 @@ impl RunContext for Context<'_> {
 }
 
 /// What is known of a run at one set of parameters.
-struct Prepared {
+pub(crate) struct Prepared {
     input: usize,
     band: Option<(f64, f64)>,
     spectrum: Option<(SpectrumTape, Dimension)>,
@@ -655,7 +655,7 @@ fn modal_value(
     .ok_or_else(|| "no mode counts for this run".to_owned())
 }
 
-fn prepare(study: &Study, situation: &Situation, run: &Run) -> Result<Prepared, Fault> {
+pub(crate) fn prepare(study: &Study, situation: &Situation, run: &Run) -> Result<Prepared, Fault> {
     match run {
         Run::Modes { oscillatory } => Ok(Prepared {
             input: usize::MAX,

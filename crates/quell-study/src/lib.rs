@@ -13,19 +13,21 @@ pub mod outcome;
 mod plots;
 mod problem;
 mod read;
+mod record;
 pub mod results;
 mod runner;
 mod situation;
 mod standing;
 pub mod study;
+mod unread;
 
 pub use amount::Amount;
 pub use outcome::{
     BuiltDevice, Design, DesignFindings, Evaluated, Findings, NamedValue, Plot, PointOutcome, Role,
     RunOutcome, Series, TaskOutcome,
 };
-pub use read::FILE_VERSION;
 pub use problem::{DesignProblem, ProblemScratch};
+pub use read::FILE_VERSION;
 pub use runner::{Progress, RunError, RunSettings, Silent, Summary, check, problems, run};
 pub use standing::Standing;
 pub use study::{Sense, Study};

@@ -24,6 +24,7 @@ use crate::situation::{self, Situation};
 use crate::study::{
     ConfigurationSpec, Constraint, DesignTask, Sense, Study, SweepAxis, SweepValues, Task, TaskKind,
 };
+use crate::unread;
 
 /// How a study is run.
 #[derive(Debug, Clone, Default)]
@@ -120,7 +121,7 @@ pub fn run(
         let outcome = pool.install(|| runner.task(task))?;
         tasks.push(outcome);
     }
-    let results = crate::results::of(
+    let results = crate::record::of(
         study,
         settings.seed,
         pool.current_num_threads(),
@@ -198,6 +199,7 @@ pub fn check(study: &Study) -> Result<Summary, Fault> {
         }
         lines.push(format!("task {}: {line}", task.name));
     }
+    unread::check(study, &standing)?;
     Ok(Summary { lines })
 }
 
@@ -231,14 +233,21 @@ fn check_design(
                 return Err(Fault::at(
                     &study.source,
                     span,
-                    format!("`{key}` is in no layout of this task"),
+                    format!(
+                        "nothing in the layouts of this task takes its value or range from `{key}`"
+                    ),
                 )
                 .help("remove it, or mend its name"));
             }
         }
     }
     for (name, span) in &design.references {
-        reference_candidate(study, design, name, *span)?;
+        match reference_candidate(study, design, name, *span)? {
+            Reference::Configuration(spec) => configuration(study, situation, spec).map(drop)?,
+            Reference::Layout(candidate) => {
+                design_problem(study, situation, design, &candidate).map(drop)?;
+            }
+        }
     }
     let variables = if fewest == most {
         counted(most, "variable")
@@ -407,14 +416,18 @@ fn configuration(
             given: &spec.values,
             bounds: &bounds,
             searched: false,
-            place: spec.span,
         },
     )?;
     for (key, amount) in &spec.values {
         if !built.used.contains(key) {
-            return Err(amount
-                .fault(format!("`{key}` is in no layout of this configuration"))
-                .help("remove it, or mend its name"));
+            let fault = amount.fault(format!("`{key}` is in no layout of this configuration"));
+            let names = built.value_names();
+            return Err(
+                match quell_expression::nearest(key, names.iter().map(String::as_str)) {
+                    Some(near) => fault.help(format!("did you mean `{near}`?")),
+                    None => fault.help("remove it, or mend its name"),
+                },
+            );
         }
     }
     if let Some((name, value)) = built.impossible_value(&[]) {
@@ -440,7 +453,6 @@ fn design_problem(
         given: &design.fixed,
         bounds: &design.bounds,
         searched: true,
-        place: design.place,
     };
     let built = Built::new(study, situation, candidate, values)?;
     let mut names: Vec<&str> = vec![&design.objective];
@@ -493,11 +505,17 @@ pub fn problems(study: &Study, task: &str) -> Result<Vec<(String, DesignProblem)
         TaskKind::Design(design) if known.name == task => Some(design),
         _ => None,
     });
-    let design = design.ok_or_else(|| Fault::new(format!("the study has no design task `{task}`")))?;
+    let design =
+        design.ok_or_else(|| Fault::new(format!("the study has no design task `{task}`")))?;
     let situation = situation::build(&study.host, &study.overrides, &[])?;
     Candidates::of(design)
         .iter()
-        .map(|candidate| Ok((candidate.label(), design_problem(study, &situation, design, &candidate)?)))
+        .map(|candidate| {
+            Ok((
+                candidate.label(),
+                design_problem(study, &situation, design, &candidate)?,
+            ))
+        })
         .collect()
 }
 

@@ -28,7 +28,8 @@ impl Study {
         let at: Vec<(String, Quantity)> = at
             .iter()
             .map(|value| {
-                let dimension = Unit::parse(&value.unit).map_or(Dimension::NONE, |unit| unit.dimension);
+                let dimension =
+                    Unit::parse(&value.unit).map_or(Dimension::NONE, |unit| unit.dimension);
                 (value.name.clone(), Quantity::new(value.value, dimension))
             })
             .collect();

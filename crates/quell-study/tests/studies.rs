@@ -6,7 +6,9 @@ use quell_study::results::{DesignResult, Results, TaskBody, TaskFindings};
 use quell_study::{RunSettings, Silent, Study};
 
 fn gallery(name: &str) -> Study {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies").join(name);
+    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../studies")
+        .join(name);
     Study::read(&path).unwrap_or_else(|fault| panic!("{}", fault.render()))
 }
 
@@ -16,7 +18,9 @@ fn run(study: &Study, seed: u64, threads: usize, tasks: &[&str]) -> Results {
         threads: Some(threads),
         tasks: tasks.iter().map(|task| (*task).to_owned()).collect(),
     };
-    quell_study::run(study, &settings, &Silent).unwrap_or_else(|error| panic!("{error}")).results
+    quell_study::run(study, &settings, &Silent)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .results
 }
 
 fn designs<'a>(results: &'a Results, task: &str) -> &'a [DesignResult] {
@@ -33,7 +37,9 @@ fn sweep_designs<'a>(results: &'a Results, task: &str) -> Vec<(&'a f64, &'a Desi
     points
         .iter()
         .map(|point| match &point.findings {
-            TaskFindings::Design { designs, .. } => (point.at.values().next().unwrap(), &designs[0]),
+            TaskFindings::Design { designs, .. } => {
+                (point.at.values().next().unwrap(), &designs[0])
+            }
             TaskFindings::Evaluate { .. } => panic!("{task} is no design"),
         })
         .collect()
@@ -41,7 +47,9 @@ fn sweep_designs<'a>(results: &'a Results, task: &str) -> Vec<(&'a f64, &'a Desi
 
 fn criterion(results: &Results, task: &str, configuration: &str, criterion: &str) -> f64 {
     match &results.tasks[task].body {
-        TaskBody::Single(TaskFindings::Evaluate { configurations }) => configurations[configuration].criteria[criterion],
+        TaskBody::Single(TaskFindings::Evaluate { configurations }) => {
+            configurations[configuration].criteria[criterion]
+        }
         other => panic!("{task} evaluates nothing: {other:?}"),
     }
 }
@@ -58,7 +66,10 @@ fn objective_of(designs: &[DesignResult], layout: &str, kinds: &[&str]) -> f64 {
     // Instances are numbered as they stand, so that structure alone decides.
     let shape = |text: &str| {
         let canonical = parse(text).canonical().to_string();
-        canonical.chars().filter(|c| !c.is_ascii_digit()).collect::<String>()
+        canonical
+            .chars()
+            .filter(|c| !c.is_ascii_digit())
+            .collect::<String>()
     };
     designs
         .iter()
@@ -76,11 +87,17 @@ fn engine_mount_reaches_every_known_optimum_from_every_seed() {
     let kinds = ["track", "restriction"];
     for seed in 1..=5 {
         let results = run(&study, seed, 2, &[]);
-        let TaskBody::Single(TaskFindings::Evaluate { configurations }) = &results.tasks["default"].body else {
+        let TaskBody::Single(TaskFindings::Evaluate { configurations }) =
+            &results.tasks["default"].body
+        else {
             panic!("`default` evaluates");
         };
         let baseline = &configurations["default"];
-        assert!((baseline.criteria["Td_max"] / 3.6349 - 1.0).abs() < 1e-4, "{:?}", baseline.criteria);
+        assert!(
+            (baseline.criteria["Td_max"] / 3.6349 - 1.0).abs() < 1e-4,
+            "{:?}",
+            baseline.criteria
+        );
         assert!((baseline.details["Td_max"].at_hz.unwrap() - 18.71).abs() < 0.01);
         assert_eq!(baseline.details["Td_max"].status, "certified");
         let counts = [("one", 1), ("two", 4), ("three", 12), ("four", 42)];
@@ -93,22 +110,41 @@ fn engine_mount_reaches_every_known_optimum_from_every_seed() {
             ("two", "track1 + restriction1", 1.7550),
             ("two", "track1 | track2", 2.0614),
             ("three", "track1 + (track2 | restriction1)", 1.6907),
-            ("four", "track1 + restriction1 + (track2 | restriction2)", 1.6873),
-            ("four", "(track1 + track2) | (track3 + restriction1)", 1.6668),
+            (
+                "four",
+                "track1 + restriction1 + (track2 | restriction2)",
+                1.6873,
+            ),
+            (
+                "four",
+                "(track1 + track2) | (track3 + restriction1)",
+                1.6668,
+            ),
         ];
         for (task, layout, best) in known {
             let found = objective_of(designs(&results, task), layout, &kinds);
-            assert!(found <= best * (1.0 + 2e-4), "seed {seed}, {task}, {layout}: {found} above {best}");
+            assert!(
+                found <= best * (1.0 + 2e-4),
+                "seed {seed}, {task}, {layout}: {found} above {best}"
+            );
         }
         // A four-branch network that the source did not find.
         assert!(designs(&results, "four")[0].objective < 1.6668 - 1e-3);
         for (task, _) in counts {
             for design in designs(&results, task) {
-                assert_eq!(design.details["Td_max"].status, "certified", "{:?}", design.devices);
+                assert_eq!(
+                    design.details["Td_max"].status, "certified",
+                    "{:?}",
+                    design.devices
+                );
                 assert!(design.details["Td_max"].achieved_tolerance.unwrap() <= 1e-4);
                 // Every network with a track can be at least as good as the default track alone, save where the bounds of
                 // series tracks forbid it; all are far from absurd.
-                assert!(design.objective > 1.0 && design.objective < 4.0, "{:?}", design.devices);
+                assert!(
+                    design.objective > 1.0 && design.objective < 4.0,
+                    "{:?}",
+                    design.devices
+                );
             }
         }
     }
@@ -118,11 +154,16 @@ fn engine_mount_reaches_every_known_optimum_from_every_seed() {
 fn the_first_peak_of_the_default_mount_is_where_the_source_has_it() {
     // First peak 2.309 at 8.06 Hz: the band is cut below the second one.
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies/engine-mount-linear.toml");
-    let text = std::fs::read_to_string(&path).unwrap().replace("\"30 Hz\"", "\"12 Hz\"");
+    let text = std::fs::read_to_string(&path)
+        .unwrap()
+        .replace("\"30 Hz\"", "\"12 Hz\"");
     let source = quell_document::Source::new("engine-mount-linear.toml", text);
-    let study = Study::parse(source, path.parent().unwrap()).unwrap_or_else(|fault| panic!("{}", fault.render()));
+    let study = Study::parse(source, path.parent().unwrap())
+        .unwrap_or_else(|fault| panic!("{}", fault.render()));
     let results = run(&study, 1, 1, &["default"]);
-    let TaskBody::Single(TaskFindings::Evaluate { configurations }) = &results.tasks["default"].body else {
+    let TaskBody::Single(TaskFindings::Evaluate { configurations }) =
+        &results.tasks["default"].body
+    else {
         panic!("`default` evaluates");
     };
     let baseline = &configurations["default"];
@@ -159,7 +200,11 @@ fn tuned_mass_damper_has_the_exact_h_infinity_optimum() {
     // Den Hartog (1956) by his rule, and Nishihara and Asami (2002), exact; both as printed to six digits.
     assert!((criterion(&results, "rule", "den_hartog", "amplification") - 6.40844).abs() < 1e-5);
     let best = &designs(&results, "peak")[0];
-    assert!((best.objective - 6.40792).abs() < 1e-5, "{}", best.objective);
+    assert!(
+        (best.objective - 6.40792).abs() < 1e-5,
+        "{}",
+        best.objective
+    );
     let (f, zeta) = tuning(best);
     // At a minimax of two peaks the values are known to about the tolerance of the peak over the slope of the peaks.
     assert!((f - 0.952_372).abs() < 2e-5, "{f}");
@@ -170,7 +215,12 @@ fn tuned_mass_damper_has_the_exact_h_infinity_optimum() {
 
 #[test]
 fn tuned_mass_damper_has_the_exact_h2_optimum() {
-    let results = run(&gallery("tuned-mass-damper.toml"), 3, 2, &["rule", "white noise"]);
+    let results = run(
+        &gallery("tuned-mass-damper.toml"),
+        3,
+        2,
+        &["rule", "white noise"],
+    );
     let best = &designs(&results, "white noise")[0];
     // Iwata (1982), Asami and others (1991): f = √(1 + μ/2)/(1 + μ), ζ² = μ(1 + 3μ/4)/(4(1 + μ)(1 + μ/2)).
     let mu = 0.05_f64;
@@ -181,7 +231,11 @@ fn tuned_mass_damper_has_the_exact_h2_optimum() {
     assert!((f - f_exact).abs() < 1e-4, "{f} {f_exact}");
     assert!((zeta - zeta_exact).abs() < 1e-3, "{zeta} {zeta_exact}");
     let closed_form = criterion(&results, "rule", "asami", "variance");
-    assert!((best.objective / closed_form - 1.0).abs() < 1e-7, "{} {closed_form}", best.objective);
+    assert!(
+        (best.objective / closed_form - 1.0).abs() < 1e-7,
+        "{} {closed_form}",
+        best.objective
+    );
 }
 
 #[test]
@@ -191,9 +245,17 @@ fn damped_host_has_optima_that_agree_with_another_optimiser() {
     // For ζ = .01 a bounded CMA-ES on a refined grid of the transfer function gives 5.783765.
     let (at, design) = found[0];
     assert_eq!(*at, 0.01);
-    assert!((design.objective - 5.783_765).abs() < 2e-6, "{}", design.objective);
+    assert!(
+        (design.objective - 5.783_765).abs() < 2e-6,
+        "{}",
+        design.objective
+    );
     // More damping of the host leaves a smaller peak.
-    assert!(found.windows(2).all(|pair| pair[1].1.objective < pair[0].1.objective));
+    assert!(
+        found
+            .windows(2)
+            .all(|pair| pair[1].1.objective < pair[0].1.objective)
+    );
 }
 
 #[test]
@@ -201,14 +263,20 @@ fn suspension_struts_improve_on_the_damper() {
     let results = run(&gallery("quarter-car.toml"), 2, 2, &["comfort"]);
     let found = designs(&results, "comfort");
     assert_eq!(found.len(), 8);
-    let damper = found.iter().find(|design| design.devices["suspension"].layout == "c1").unwrap();
+    let damper = found
+        .iter()
+        .find(|design| design.devices["suspension"].layout == "c1")
+        .unwrap();
     // Smith and Wang (2004), section 4: for the damper alone J1² is a/c + b c in the damping c, by the Lyapunov equation
     // of the quarter car, so that the optimum balances both terms. Checked here by its stationarity: the best of a scan.
     let best_with_inerter = &found[0];
     assert!(best_with_inerter.objective < damper.objective);
     assert!(found.iter().all(|design| design.feasible));
     // A network that contains the damper alone as a limit cannot be worse than it, bounds apart.
-    let parallel = found.iter().find(|design| design.devices["suspension"].layout == "b1 | c1").unwrap();
+    let parallel = found
+        .iter()
+        .find(|design| design.devices["suspension"].layout == "b1 | c1")
+        .unwrap();
     assert!(parallel.objective <= damper.objective * (1.0 + 1e-6));
 }
 
@@ -218,7 +286,10 @@ fn every_study_of_the_gallery_is_sound() {
     let mut seen = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        if path.extension().is_some_and(|extension| extension == "toml") {
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "toml")
+        {
             let study = Study::read(&path).unwrap_or_else(|fault| panic!("{}", fault.render()));
             quell_study::check(&study).unwrap_or_else(|fault| panic!("{}", fault.render()));
             seen += 1;

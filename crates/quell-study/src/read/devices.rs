@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use indexmap::IndexMap;
-use quell_document::{Fault, Source, Value};
+use quell_document::{Fault, Source, Table, Value};
 use quell_expression::Span;
 use quell_model::LinearHost;
 use quell_model::linear::CoordinateKind;
@@ -14,6 +14,9 @@ use super::{amounts_of, check_name, counted, resolve, unknown};
 use crate::amount::Amount;
 use crate::keys;
 use crate::study::{Bounds, Component, Declared, Device};
+
+/// The slot of a device that lists none.
+const USUAL_SLOT: &str = "network";
 
 /// A component before its layout is parsed: the text and its place in the file.
 pub(super) struct RawComponent<'a> {
@@ -183,9 +186,33 @@ pub(super) fn component_layouts(
                 values: raw.values,
                 variables: raw.variables,
             };
+            refuse_idle_variables(&name, &component, raw.layout.source())?;
             Ok((name, component))
         })
         .collect()
+}
+
+/// A variable that no value uses would be searched in vain.
+fn refuse_idle_variables(
+    name: &str,
+    component: &Component,
+    source: &Arc<Source>,
+) -> Result<(), Fault> {
+    for (variable, bounds) in &component.variables {
+        let used = component
+            .values
+            .values()
+            .any(|value| value.expression().names().contains(&variable.as_str()));
+        if !used {
+            return Err(Fault::at(
+                source,
+                bounds.span,
+                format!("no value of the component `{name}` uses its variable `{variable}`"),
+            )
+            .help("remove it, or use it under `values`"));
+        }
+    }
+    Ok(())
 }
 
 /// `[lower, upper]`, or a table with `bounds` and `scale`.
@@ -222,6 +249,71 @@ pub(super) fn bounds(value: &Value<'_>, source: &Arc<Source>) -> Result<Bounds, 
             ))
             .help("write `[lower, upper]`")),
     }
+}
+
+/// The layout around a device's slots, and the slots; neither where the whole device is designed.
+fn frame(entry: &Table<'_>, mut kinds: Kinds) -> Result<(Option<Layout>, Vec<String>), Fault> {
+    let Some(value) = entry.get("layout") else {
+        for key in ["slots", "values"] {
+            if let Some(span) = entry.key_span(key) {
+                return Err(Fault::at(
+                    entry.source(),
+                    span,
+                    format!("`{key}` belongs to a device with a `layout` of its own"),
+                )
+                .help("without `layout` the whole device is designed, and tasks give its values"));
+            }
+        }
+        return Ok((None, Vec::new()));
+    };
+    let listed = match entry.get("slots") {
+        Some(value) => value.as_array()?,
+        None => Vec::new(),
+    };
+    let mut slots = Vec::new();
+    for slot in &listed {
+        let name = slot.as_str()?;
+        kinds
+            .declare_placeholder(name)
+            .map_err(|error| slot.fault(error.to_string()))?;
+        slots.push(name.to_owned());
+    }
+    if entry.get("slots").is_none() {
+        kinds
+            .declare_placeholder(USUAL_SLOT)
+            .map_err(|error| value.fault(error.to_string()))?;
+    }
+    let layout = layout(&value, &kinds)?;
+    if entry.get("slots").is_none() && layout.branch(USUAL_SLOT).is_some() {
+        slots.push(USUAL_SLOT.to_owned());
+    }
+    for slot in &listed {
+        let name = slot.as_str()?;
+        if layout.branch(name).is_none() {
+            return Err(slot
+                .fault(format!("the slot `{name}` is not in the layout `{layout}`"))
+                .help("put it into the layout, or remove it here"));
+        }
+    }
+    if let Some(values) = entry.get("values") {
+        for (name, span, _) in values.as_table()?.entries() {
+            let branch = name.split_once('.').map_or(name, |(branch, _)| branch);
+            if layout.branch(branch).is_none() || slots.iter().any(|slot| slot == branch) {
+                let elements: Vec<&str> = layout
+                    .branches()
+                    .map(|branch| branch.name.as_str())
+                    .filter(|name| !slots.iter().any(|slot| slot == name))
+                    .collect();
+                let fault = Fault::at(
+                    entry.source(),
+                    span,
+                    format!("`{name}` is no element of the layout `{layout}`"),
+                );
+                return Err(unknown(fault, name, "element", elements.into_iter()));
+            }
+        }
+    }
+    Ok((Some(layout), slots))
 }
 
 pub(super) fn devices(
@@ -283,34 +375,11 @@ pub(super) fn devices(
             }
             _ => {}
         }
-        let slots: Vec<String> = match entry.get("slots") {
-            Some(value) => value
-                .as_array()?
-                .iter()
-                .map(|slot| slot.as_str().map(str::to_owned))
-                .collect::<Result<_, _>>()?,
-            None => vec!["network".to_owned()],
-        };
-        let mut with_slots = kinds
+        let own = kinds
             .of(domain)
             .cloned()
             .unwrap_or_else(|| Kinds::new(domain));
-        let (fixed, slots) = match entry.get("layout") {
-            Some(value) => {
-                for slot in &slots {
-                    with_slots
-                        .declare_placeholder(slot)
-                        .map_err(|error| value.fault(error.to_string()))?;
-                }
-                let layout = layout(&value, &with_slots)?;
-                let slots: Vec<String> = slots
-                    .into_iter()
-                    .filter(|slot| layout.branch(slot).is_some())
-                    .collect();
-                (Some(layout), slots)
-            }
-            None => (None, Vec::new()),
-        };
+        let (fixed, slots) = frame(&entry, own)?;
         devices.insert(
             name.to_owned(),
             Device {

@@ -25,13 +25,8 @@ impl Study {
     /// # Errors
     /// Whatever is wrong with the file, at its place and with a remedy.
     pub fn read(path: &Path) -> Result<Self, Fault> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            Fault::new(format!(
-                "the study `{}` cannot be read: {error}",
-                path.display()
-            ))
-            .help("give the path of a study file, such as `studies/engine-mount-linear.toml`")
-        })?;
+        let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
+        let text = String::from_utf8(bytes).map_err(|error| not_text(path, &error))?;
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         Self::parse(Source::new(path.display().to_string(), text), &folder)
     }
@@ -78,6 +73,27 @@ impl Study {
     }
 }
 
+/// A study that cannot be opened.
+fn unreadable(path: &Path, error: &std::io::Error) -> Fault {
+    let shown = path.display();
+    let message = match error.kind() {
+        std::io::ErrorKind::NotFound => format!("there is no study `{shown}`"),
+        _ if path.is_dir() => format!("`{shown}` is a folder, not a study"),
+        _ => format!("the study `{shown}` cannot be read: {error}"),
+    };
+    Fault::new(message).help("give the path of a study file, such as `studies/quarter-car.toml`")
+}
+
+/// A study with bytes that are no UTF-8: shown where the first of them stands.
+fn not_text(path: &Path, error: &std::string::FromUtf8Error) -> Fault {
+    let good = error.utf8_error().valid_up_to();
+    let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+    let source = Arc::new(Source::new(path.display().to_string(), text));
+    let span = Span::new(good, good + char::REPLACEMENT_CHARACTER.len_utf8());
+    Fault::at(&source, span, "this character is not UTF-8")
+        .help("save the file with the encoding UTF-8")
+}
+
 fn check_version(root: &Table<'_>) -> Result<(), Fault> {
     let Some(value) = root.get("quell") else {
         return Err(root
@@ -102,6 +118,11 @@ fn check_version(root: &Table<'_>) -> Result<(), Fault> {
 
 fn read_host(value: &Value<'_>, folder: &Path) -> Result<HostFile, Fault> {
     let path = folder.join(value.as_str()?);
+    if path.is_dir() {
+        return Err(value
+            .fault(format!("`{}` is a folder, not a host file", path.display()))
+            .help("name the file in it"));
+    }
     if !path.is_file() {
         return Err(value
             .fault(format!("the host file `{}` does not exist", path.display()))
@@ -369,7 +390,12 @@ fn report(value: Option<Value<'_>>) -> Result<ReportWishes, Fault> {
         let table = value.as_table()?;
         table.check(&keys::REPORT)?;
         if let Some(value) = table.get("shortlist") {
-            wishes.shortlist = value.as_count()?.max(1);
+            wishes.shortlist = value.as_count()?;
+            if wishes.shortlist == 0 {
+                return Err(value
+                    .fault("a shortlist holds at least one design")
+                    .help("leave `shortlist` out for the best five"));
+            }
         }
         wishes.note = table
             .get("note")

@@ -8,17 +8,20 @@ use quell_expression::{ComparisonOperator, Expression, Node, Span};
 use quell_network::{Budget, Domain, Enumeration, Equivalence, Kinds, Layout};
 use quell_search::Scale;
 
-use super::{amounts_of, counted, devices, resolve, unknown};
+use super::{amounts_of, devices, resolve, unknown};
 use crate::amount::Amount;
 use crate::built::domain_of;
 use crate::keys;
 use crate::study::{
-    CandidateSet, ConfigurationSpec, Constraint, DesignTask, Sense, Slot, Study, SweepAxis,
+    Bounds, CandidateSet, ConfigurationSpec, Constraint, DesignTask, Sense, Slot, Study, SweepAxis,
     SweepValues, Task, TaskKind,
 };
 
 /// A search gives up on nothing, but a list of more layouts than this would not end within a working day.
 const MOST_LAYOUTS: u128 = 1_000_000;
+
+/// A sweep of more points than this is a slip.
+const MOST_POINTS: usize = 10_000;
 
 pub(super) fn tasks(value: &Value<'_>, study: &Study) -> Result<Vec<Task>, Fault> {
     let list = value.as_array()?;
@@ -143,6 +146,19 @@ fn slot_of(study: &Study, name: &str, span: Span) -> Result<Option<Slot>, Fault>
         .into_iter()
         .filter(|slot| slot.answers_to(name))
         .collect();
+    if answering.is_empty()
+        && let Some(device) = study.devices.get(name)
+    {
+        let fault = Fault::at(
+            &study.source,
+            span,
+            format!("the device `{name}` has a layout of its own"),
+        );
+        return Err(match device.slots.first() {
+            Some(slot) => fault.help(format!("what can be chosen is its slot: write `{slot}`")),
+            None => fault.help("it has no slot in which another layout could go"),
+        });
+    }
     if answering.len() > 1 {
         let full: Vec<String> = answering
             .iter()
@@ -179,7 +195,11 @@ fn evaluate(
                 Some(slot) => {
                     let layout =
                         devices::layout(&value, &kinds_of(study, domain_of(study, &slot)))?;
-                    layouts.insert(slot, (layout, value.span()));
+                    let taken = layouts.insert(slot, (layout, value.span()));
+                    refuse_second(taken.is_some(), key, key_span, study)?;
+                }
+                None if value.as_str().is_ok_and(|text| text.contains('|')) => {
+                    return Err(no_such_slot(study, key, key_span));
                 }
                 None => {
                     values.insert(key.to_owned(), Amount::read(&value, &study.source)?);
@@ -231,11 +251,7 @@ fn design(table: &Table<'_>, study: &Study) -> Result<DesignTask, Fault> {
         None => Vec::new(),
     };
     let references = match table.get("references") {
-        Some(value) => value
-            .as_array()?
-            .iter()
-            .map(|value| Ok((value.as_str()?.to_owned(), value.span())))
-            .collect::<Result<_, Fault>>()?,
+        Some(value) => references(&value)?,
         None => Vec::new(),
     };
     let starts = match table.get("starts") {
@@ -260,7 +276,7 @@ fn design(table: &Table<'_>, study: &Study) -> Result<DesignTask, Fault> {
         }
         None => 1e-6,
     };
-    let bounds = match table.get("bounds") {
+    let bounds: IndexMap<String, Bounds> = match table.get("bounds") {
         Some(value) => value
             .as_table()?
             .entries()
@@ -268,18 +284,41 @@ fn design(table: &Table<'_>, study: &Study) -> Result<DesignTask, Fault> {
             .collect::<Result<_, Fault>>()?,
         None => IndexMap::new(),
     };
+    let fixed = amounts_of(table.get("fixed"), source)?;
+    if let Some((name, bounds)) = bounds.iter().find(|(name, _)| fixed.contains_key(*name)) {
+        return Err(Fault::at(
+            source,
+            bounds.span,
+            format!("`{name}` has bounds here and a value under `fixed`"),
+        )
+        .help("keep one of the two"));
+    }
     Ok(DesignTask {
         objective: objective.as_str()?.to_owned(),
         sense,
         constraints,
         references,
         candidates: candidates(table, study)?,
-        fixed: amounts_of(table.get("fixed"), source)?,
+        fixed,
         bounds,
         starts,
         feasibility,
         place: objective.span(),
     })
+}
+
+fn references(value: &Value<'_>) -> Result<Vec<(String, Span)>, Fault> {
+    let mut found: Vec<(String, Span)> = Vec::new();
+    for value in value.as_array()? {
+        let name = value.as_str()?;
+        if found.iter().any(|(known, _)| known == name) {
+            return Err(value
+                .fault(format!("the reference `{name}` is given twice"))
+                .help("keep one of the two"));
+        }
+        found.push((name.to_owned(), value.span()));
+    }
+    Ok(found)
 }
 
 fn constraint(value: &Value<'_>, study: &Study) -> Result<Constraint, Fault> {
@@ -291,7 +330,7 @@ fn constraint(value: &Value<'_>, study: &Study) -> Result<Constraint, Fault> {
     } = &expression.node
     else {
         return Err(value
-            .fault(format!("`{expression}` is no constraint"))
+            .fault(format!("`{}` is no constraint", expression.excerpt()))
             .help("write `CRITERION <= VALUE` or `CRITERION >= VALUE`"));
     };
     let sense = match operator {
@@ -312,10 +351,27 @@ fn constraint(value: &Value<'_>, study: &Study) -> Result<Constraint, Fault> {
         Sense::Maximise => Sense::Minimise,
     };
     let (criterion, sense, bound) = match (criterion(left), criterion(right)) {
-        (Some(name), _) => (name, sense, right.as_ref()),
+        (Some(first), Some(second)) => {
+            return Err(Fault::at(
+                &study.source,
+                right.span,
+                format!("a bound is a value, but `{second}` is a criterion"),
+            )
+            .help(format!(
+                "define a criterion for their difference, `{first} - {second}` written out, and bound it by 0"
+            )));
+        }
+        (Some(name), None) => (name, sense, right.as_ref()),
         (None, Some(name)) => (name, flipped, left.as_ref()),
         (None, None) => {
-            let name = left.to_string();
+            let Node::Name(name) = &left.node else {
+                return Err(Fault::at(
+                    &study.source,
+                    expression.span,
+                    "neither side of this constraint is a criterion",
+                )
+                .help("write `CRITERION <= VALUE` or `CRITERION >= VALUE`; an expression of criteria becomes a criterion under `[criteria]`"));
+            };
             let fault = Fault::at(
                 &study.source,
                 left.span,
@@ -323,7 +379,7 @@ fn constraint(value: &Value<'_>, study: &Study) -> Result<Constraint, Fault> {
             );
             return Err(unknown(
                 fault,
-                &name,
+                name,
                 "criterion",
                 study.criteria.keys().map(String::as_str),
             ));
@@ -344,18 +400,7 @@ fn candidates(table: &Table<'_>, study: &Study) -> Result<IndexMap<Slot, Candida
     })?;
     let mut found = IndexMap::new();
     for (name, span, value) in value.as_table()?.entries() {
-        let slot = slot_of(study, name, span)?.ok_or_else(|| {
-            let names: Vec<String> = slots(study)
-                .into_iter()
-                .map(|slot| slot.placeholder.unwrap_or(slot.device))
-                .collect();
-            let fault = Fault::at(
-                &study.source,
-                span,
-                format!("there is no device or slot `{name}` to design"),
-            );
-            unknown(fault, name, "device", names.iter().map(String::as_str))
-        })?;
+        let slot = slot_of(study, name, span)?.ok_or_else(|| no_such_slot(study, name, span))?;
         let kinds = kinds_of(study, domain_of(study, &slot));
         let set = if value.is_table() {
             budget(&value, &kinds, study, &slot)?
@@ -370,12 +415,65 @@ fn candidates(table: &Table<'_>, study: &Study) -> Result<IndexMap<Slot, Candida
             }
             CandidateSet::Layouts(layouts)
         };
-        found.insert(slot, set);
+        let taken = found.insert(slot, set);
+        refuse_second(taken.is_some(), name, span, study)?;
     }
     if found.is_empty() {
-        return Err(value.fault("there is no layout to try"));
+        return Err(value.fault("there is no layout to try").help(
+            "add `candidates.DEVICE = [\"k1 | c1\", …]` or a budget `{ springs = 1, dampers = 1, inerters = 1 }`",
+        ));
+    }
+    let total = crate::candidates::count(&found);
+    if total > MOST_LAYOUTS {
+        return Err(value
+            .fault(format!(
+                "these candidates give {} combinations, more than can be searched",
+                rounded(total)
+            ))
+            .help("lower the numbers, or list the layouts of interest"));
     }
     Ok(found)
+}
+
+/// A count that may be beyond what anybody reads digit by digit.
+fn rounded(count: u128) -> String {
+    if count < 1_000_000_000 {
+        count.to_string()
+    } else {
+        format!("some {:.0e}", count as f64)
+    }
+}
+
+/// A layout for something that takes none.
+fn no_such_slot(study: &Study, name: &str, span: Span) -> Fault {
+    let names: Vec<String> = slots(study)
+        .into_iter()
+        .map(|slot| slot.placeholder.unwrap_or(slot.device))
+        .collect();
+    let fault = Fault::at(
+        &study.source,
+        span,
+        format!("there is no device or slot `{name}` that takes a layout"),
+    );
+    unknown(
+        fault,
+        name,
+        "device or slot",
+        names.iter().map(String::as_str),
+    )
+}
+
+/// A slot may be called by its own name and by the device's and its own.
+fn refuse_second(taken: bool, name: &str, span: Span, study: &Study) -> Result<(), Fault> {
+    if taken {
+        return Err(Fault::at(
+            &study.source,
+            span,
+            format!("the slot `{name}` is filled twice"),
+        )
+        .help("keep one of the two"));
+    }
+    Ok(())
 }
 
 fn budget(
@@ -422,7 +520,10 @@ fn budget(
         .unwrap_or_default();
     let mut enumerations = Vec::new();
     let mut total: u128 = 0;
-    for number in branches {
+    for (index, number) in branches.iter().copied().enumerate() {
+        if branches.iter().take(index).any(|known| *known == number) {
+            return Err(value.fault("`branches` lists a number twice"));
+        }
         let enumeration = Enumeration::new(kinds, &budgets, number, equivalence)
             .map_err(|error| value.fault(error.to_string()))?
             .avoiding(taken.iter().map(String::as_str));
@@ -435,7 +536,8 @@ fn budget(
     if total > MOST_LAYOUTS {
         return Err(value
             .fault(format!(
-                "this budget has {total} layouts, more than can be searched"
+                "this budget has {} layouts, more than can be searched",
+                rounded(total)
             ))
             .help("lower the numbers, or list the layouts of interest"));
     }
@@ -575,7 +677,23 @@ fn sweep(table: &Table<'_>, study: &Study) -> Result<Vec<SweepAxis>, Fault> {
         });
     }
     if axes.is_empty() {
-        return Err(value.fault("the sweep names no parameter"));
+        return Err(value
+            .fault("the sweep names no parameter")
+            .help("write `sweep = { PARAMETER = [\"10 kg\", \"12 kg\"] }`"));
+    }
+    let points = axes
+        .iter()
+        .map(|axis| match &axis.values {
+            SweepValues::Range { points, .. } => *points,
+            SweepValues::List(values) => values.len(),
+        })
+        .fold(1, usize::saturating_mul);
+    if points > MOST_POINTS {
+        return Err(value
+            .fault(format!(
+                "the combinations of this sweep are {points} points, more than {MOST_POINTS}"
+            ))
+            .help("sweep fewer parameters at once, or at fewer points"));
     }
     Ok(axes)
 }
@@ -612,11 +730,12 @@ fn sweep_values(value: &Value<'_>, source: &Arc<Source>) -> Result<SweepValues, 
     }
     let points_value = table.require("points")?;
     let points = points_value.as_count()?;
-    if !(2..=10_000).contains(&points) {
-        return Err(points_value.fault(format!(
-            "a sweep has 2 to 10000 points, found {}",
-            counted(points, "point")
-        )));
+    if !(2..=MOST_POINTS).contains(&points) {
+        return Err(points_value
+            .fault(format!(
+                "a sweep has 2 to {MOST_POINTS} points, found {points}"
+            ))
+            .help("for a single value use `parameters` at the top of the study"));
     }
     let scale = match table
         .get("scale")

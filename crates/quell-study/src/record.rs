@@ -1,0 +1,164 @@
+//! The record of a run: what goes from an outcome into `results.json`.
+
+use indexmap::IndexMap;
+
+use crate::outcome::{BuiltDevice, Findings, TaskOutcome};
+use crate::results::{
+    ConfigurationResult, DesignResult, DeviceResult, EngineFacts, FORMAT, ReferenceResult, Results,
+    StudyFacts, SweepPoint, TaskBody, TaskFindings, TaskResult,
+};
+use crate::study::Study;
+
+/// The stable extract of what a run found.
+pub(crate) fn of(
+    study: &Study,
+    seed: u64,
+    threads: usize,
+    wall_seconds: f64,
+    evaluations: u64,
+    tasks: &[TaskOutcome],
+) -> Results {
+    Results {
+        format: FORMAT,
+        study: StudyFacts {
+            title: study.title.clone(),
+            hash: study.hash.clone(),
+        },
+        engine: EngineFacts {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            seed,
+            threads,
+            wall_seconds,
+            evaluations,
+        },
+        tasks: tasks
+            .iter()
+            .map(|task| (task.name.clone(), task_result(task)))
+            .collect(),
+    }
+}
+
+fn task_result(task: &TaskOutcome) -> TaskResult {
+    let kind = match task.points.first().map(|point| &point.findings) {
+        Some(Findings::Evaluate(_)) => "evaluate",
+        _ => "design",
+    };
+    let points: Vec<SweepPoint> = task
+        .points
+        .iter()
+        .map(|point| {
+            let (status, findings) = findings(&point.findings);
+            SweepPoint {
+                at: point
+                    .at
+                    .iter()
+                    .map(|value| (value.name.clone(), value.value))
+                    .collect(),
+                status,
+                findings,
+            }
+        })
+        .collect();
+    let status = if points.iter().all(|point| point.status == "done") {
+        "done"
+    } else {
+        "infeasible"
+    };
+    let swept = points.iter().any(|point| !point.at.is_empty());
+    let mut points = points.into_iter();
+    let body = match points.next() {
+        Some(only) if !swept => TaskBody::Single(only.findings),
+        first => TaskBody::Sweep {
+            points: first.into_iter().chain(points).collect(),
+        },
+    };
+    TaskResult {
+        kind,
+        status: status.to_owned(),
+        body,
+    }
+}
+
+fn findings(found: &Findings) -> (String, TaskFindings) {
+    match found {
+        Findings::Evaluate(configurations) => {
+            let configurations = configurations
+                .iter()
+                .map(|one| {
+                    let result = ConfigurationResult {
+                        devices: devices(&one.devices),
+                        criteria: one.criteria.clone(),
+                        details: one.details.clone(),
+                    };
+                    (one.name.clone(), result)
+                })
+                .collect();
+            ("done".to_owned(), TaskFindings::Evaluate { configurations })
+        }
+        Findings::Design(design) => {
+            let references = design
+                .references
+                .iter()
+                .map(|one| {
+                    let result = ReferenceResult {
+                        devices: devices(&one.devices),
+                        criteria: one.criteria.clone(),
+                        details: one.details.clone(),
+                    };
+                    (one.name.clone(), result)
+                })
+                .collect();
+            let designs: Vec<DesignResult> = design
+                .designs
+                .iter()
+                .map(|one| DesignResult {
+                    rank: one.rank,
+                    devices: devices(&one.configuration.devices),
+                    objective: one.objective,
+                    criteria: one.configuration.criteria.clone(),
+                    details: one.configuration.details.clone(),
+                    improvement: one.improvement.clone(),
+                    feasible: one.feasible,
+                    violation: one.violation,
+                    active_bounds: one.active_bounds.clone(),
+                    starts: one.starts,
+                    starts_agreeing: one.starts_agreeing,
+                    evaluations: one.evaluations,
+                    status: one.status.clone(),
+                })
+                .collect();
+            let status = if designs.iter().any(|one| one.feasible) {
+                "done"
+            } else {
+                "infeasible"
+            };
+            (
+                status.to_owned(),
+                TaskFindings::Design {
+                    references,
+                    designs,
+                },
+            )
+        }
+    }
+}
+
+fn devices(built: &[BuiltDevice]) -> IndexMap<String, DeviceResult> {
+    built
+        .iter()
+        .map(|device| {
+            let values = device
+                .elements
+                .iter()
+                .chain(&device.variables)
+                .map(|value| (value.name.clone(), value.value))
+                .collect();
+            let result = DeviceResult {
+                layout: device.designed.clone(),
+                device_layout: device.layout.to_string(),
+                values,
+            };
+            (device.name.clone(), result)
+        })
+        .collect()
+}
