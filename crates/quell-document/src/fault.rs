@@ -28,7 +28,7 @@ impl Fault {
         Self {
             source: None,
             span: None,
-            message: message.into(),
+            message: printable(message.into()),
             label: None,
             help: None,
         }
@@ -46,7 +46,7 @@ impl Fault {
     /// The fault of an expression whose spans already count from the beginning of the file.
     pub fn from_expression(source: &Arc<Source>, error: ExpressionError) -> Self {
         Self {
-            help: error.help,
+            help: error.help.map(printable),
             ..Self::at(source, error.span, error.message)
         }
     }
@@ -54,14 +54,14 @@ impl Fault {
     /// The same fault with words next to the place.
     #[must_use]
     pub fn label(mut self, label: impl Into<String>) -> Self {
-        self.label = Some(label.into());
+        self.label = Some(printable(label.into()));
         self
     }
 
     /// The same fault with a remedy.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.help = Some(printable(help.into()));
         self
     }
 
@@ -135,6 +135,15 @@ impl fmt::Display for Fault {
 }
 
 impl std::error::Error for Fault {}
+
+/// Names in messages come from files: a control character among them must not reach the terminal.
+fn printable(text: String) -> String {
+    if text.chars().any(char::is_control) {
+        text.replace(char::is_control, "\u{fffd}")
+    } else {
+        text
+    }
+}
 
 /// One line of a file made fit to show, and where in it the carets go.
 struct Excerpt {

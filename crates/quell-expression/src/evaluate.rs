@@ -82,7 +82,7 @@ fn combine(
         BinaryOperator::Divide if b.value == 0.0 => {
             return Err(ExpressionError::new(
                 right.span,
-                format!("`{}` is zero, and it divides", short(right)),
+                format!("`{}` is zero, and it divides", right.excerpt()),
             ));
         }
         BinaryOperator::Divide => a.value / b.value,
@@ -95,13 +95,13 @@ fn combine(
 pub(crate) fn not_finite(expression: &Expression) -> ExpressionError {
     ExpressionError::new(
         expression.span,
-        format!("`{}` is not a finite number", short(expression)),
+        format!("`{}` is not a finite number", expression.excerpt()),
     )
 }
 
 /// The error for an expression that has no value by itself.
 pub(crate) fn no_value(expression: &Expression) -> ExpressionError {
-    let text = short(expression);
+    let text = expression.excerpt();
     let message = if matches!(expression.node, Node::Derivative { .. }) {
         format!("`{text}` is a time derivative, and nothing here varies in time")
     } else {
@@ -110,13 +110,16 @@ pub(crate) fn no_value(expression: &Expression) -> ExpressionError {
     ExpressionError::new(expression.span, message)
 }
 
-/// The expression as text, cut where it would swamp a message: the place says the rest.
-fn short(expression: &Expression) -> String {
-    const LONGEST: usize = 60;
-    let text = expression.to_string();
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", text.get(..end).unwrap_or("")),
-        None => text,
+impl Expression {
+    /// The expression as text, cut where it would swamp a message: the place says the rest.
+    #[must_use]
+    pub fn excerpt(&self) -> String {
+        const LONGEST: usize = 60;
+        let text = self.to_string();
+        match text.char_indices().nth(LONGEST) {
+            Some((end, _)) => format!("{}…", text.get(..end).unwrap_or("")),
+            None => text,
+        }
     }
 }
 

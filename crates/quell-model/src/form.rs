@@ -461,7 +461,11 @@ fn combine(
             if !first.agrees(&second) {
                 return Err(ExpressionError::new(
                     span,
-                    format!("`{left}` is in {first}, but `{right}` is in {second}"),
+                    format!(
+                        "`{}` is in {first}, but `{}` is in {second}",
+                        left.excerpt(),
+                        right.excerpt()
+                    ),
                 ));
             }
             let sign = if operator == BinaryOperator::Add {
@@ -479,7 +483,10 @@ fn combine(
             };
             Err(ExpressionError::new(
                 constant.span,
-                format!("`{constant}` is a constant, which cannot be added to a signal"),
+                format!(
+                    "`{}` is a constant, which cannot be added to a signal",
+                    constant.excerpt()
+                ),
             )
             .with_help("displacements and forces are counted from the state at rest"))
         }
@@ -491,7 +498,7 @@ fn combine(
             if constant.value == 0.0 {
                 return Err(ExpressionError::new(
                     right.span,
-                    format!("`{right}` is zero, and it divides"),
+                    format!("`{}` is zero, and it divides", right.excerpt()),
                 ));
             }
             scale(
