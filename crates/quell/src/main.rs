@@ -9,6 +9,7 @@ mod layouts;
 mod progress;
 mod run;
 mod shortlist;
+mod table;
 mod terminal;
 
 use std::process::ExitCode;

@@ -45,7 +45,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
     write(&folder.join("results.json"), &format!("{results}\n"))?;
 
     let mut text = shortlist::text(&study, &outcome);
-    text.push_str(&format!("\nReport: {}\n", report.display()));
+    text.push_str(&format!("Report: {}\n", report.display()));
     terminal::print(&text)
 }
 

@@ -3,21 +3,29 @@
 use std::fmt::Write;
 
 use quell_report::number::{compact, percent, significant, unit};
+use quell_report::shown_unit;
 use quell_study::{
-    Design, DesignFindings, Evaluated, Findings, NamedValue, RunOutcome, Sense, Study,
+    Design, DesignFindings, Evaluated, Findings, NamedValue, PointOutcome, RunOutcome, Sense, Study,
 };
+
+use crate::table::{Table, wrap};
+
+/// Digits of a criterion.
+const DIGITS: usize = 5;
+
+/// Columns of a line, on a terminal and in a file alike.
+const WIDTH: usize = 100;
 
 /// What `quell run` prints.
 pub(crate) fn text(study: &Study, outcome: &RunOutcome) -> String {
+    let printer = Printer { study };
     let mut text = format!("{}\n", study.title);
     for task in &outcome.tasks {
-        for point in &task.points {
-            text.push_str(&heading(&task.name, &point.at));
-            match &point.findings {
-                Findings::Evaluate(configurations) => evaluate(&mut text, study, configurations),
-                Findings::Design(findings) => design(&mut text, study, findings),
-            }
-        }
+        text.push('\n');
+        printer.task(&mut text, &task.name, &task.points);
+    }
+    if text.contains(['▾', '▴']) {
+        text.push_str("\n▾ at its lower bound, ▴ at its upper bound\n");
     }
     let engine = &outcome.results.engine;
     // Writing to a string cannot fail.
@@ -33,151 +41,296 @@ pub(crate) fn text(study: &Study, outcome: &RunOutcome) -> String {
     text
 }
 
-fn heading(task: &str, at: &[NamedValue]) -> String {
-    let mut heading = format!("\n{task}");
-    if !at.is_empty() {
-        let points: Vec<String> = at.iter().map(named).collect();
-        let _ = write!(heading, " at {}", points.join(", "));
-    }
-    heading.push('\n');
-    heading
+struct Printer<'a> {
+    study: &'a Study,
 }
 
-fn named(value: &NamedValue) -> String {
-    let number = compact(value.value, 5);
-    if value.unit.is_empty() {
-        format!("{} = {number}", value.name)
-    } else {
-        format!("{} = {number} {}", value.name, unit(&value.unit))
-    }
-}
-
-/// A criterion in the unit in which the study reads it.
-pub(crate) fn criterion(study: &Study, name: &str, value: f64, si_unit: &str) -> String {
-    let (value, unit_text) = match study
-        .criteria
-        .get(name)
-        .and_then(|criterion| criterion.unit.as_ref())
-    {
-        Some((shown, _)) => (value / shown.factor, shown.text.as_str()),
-        None => (value, si_unit),
-    };
-    let number = significant(value, 5);
-    if unit_text.is_empty() {
-        number
-    } else {
-        format!("{number} {}", unit(unit_text))
-    }
-}
-
-fn criteria_of(study: &Study, configuration: &Evaluated) -> String {
-    let mut parts = Vec::new();
-    for (name, value) in &configuration.criteria {
-        let detail = configuration.details.get(name);
-        let si_unit = detail.map_or("", |detail| detail.unit.as_str());
-        let mut part = format!("{name} = {}", criterion(study, name, *value, si_unit));
-        if let Some(at) = detail.and_then(|detail| detail.at_hz) {
-            let _ = write!(part, " at {} Hz", significant(at, 4));
+impl Printer<'_> {
+    fn task(&self, text: &mut String, name: &str, points: &[PointOutcome]) {
+        let swept = points.iter().any(|point| !point.at.is_empty());
+        match points.first().map(|point| &point.findings) {
+            None => {}
+            Some(Findings::Evaluate(_)) => {
+                let _ = writeln!(text, "{name}");
+                self.evaluated(text, points, swept);
+            }
+            Some(Findings::Design(findings)) => {
+                self.heading(text, name, findings, points, swept);
+                if swept {
+                    self.best_of_points(text, points, findings);
+                } else {
+                    self.ranked(text, findings);
+                }
+            }
         }
-        if let Some(detail) = detail.filter(|_| !value.is_finite()) {
-            let _ = write!(part, " ({})", detail.status);
+    }
+
+    /// A row for each configuration, at each point of a sweep.
+    fn evaluated(&self, text: &mut String, points: &[PointOutcome], swept: bool) {
+        let all: Vec<(&PointOutcome, &Evaluated)> = points
+            .iter()
+            .flat_map(|point| {
+                let configurations: &[Evaluated] = match &point.findings {
+                    Findings::Evaluate(configurations) => configurations,
+                    Findings::Design(_) => &[],
+                };
+                configurations.iter().map(move |one| (point, one))
+            })
+            .collect();
+        let Some((_, first)) = all.first() else {
+            return;
+        };
+        let names: Vec<&String> = first.criteria.keys().collect();
+        let mut heading: Vec<String> = if swept { vec!["at".to_owned()] } else { Vec::new() };
+        heading.push("configuration".to_owned());
+        let texts = heading.len();
+        heading.extend(names.iter().map(|name| self.headed(name, first)));
+        heading.push(String::new());
+        let mut table = Table::new(heading, texts);
+        for (point, one) in all {
+            let mut cells: Vec<String> = if swept { vec![at(&point.at)] } else { Vec::new() };
+            cells.push(one.name.clone());
+            cells.extend(names.iter().map(|name| self.value(name, one)));
+            cells.push(remarks(one, &names));
+            table.row(cells, Vec::new());
         }
-        parts.push(part);
+        text.push_str(&table.text(2, WIDTH));
     }
-    parts.join(", ")
-}
 
-fn evaluate(text: &mut String, study: &Study, configurations: &[Evaluated]) {
-    let width = configurations
-        .iter()
-        .map(|one| one.name.chars().count())
-        .max()
-        .unwrap_or(0);
-    for one in configurations {
-        let _ = writeln!(text, "  {:width$}  {}", one.name, criteria_of(study, one));
+    fn heading(
+        &self,
+        text: &mut String,
+        name: &str,
+        findings: &DesignFindings,
+        points: &[PointOutcome],
+        swept: bool,
+    ) {
+        let word = match findings.sense {
+            Sense::Minimise => "smallest",
+            Sense::Maximise => "largest",
+        };
+        // How layouts were told apart is in the report; here the number is enough.
+        let candidates = findings
+            .candidates
+            .split_once(',')
+            .map_or(findings.candidates.as_str(), |(count, _)| count);
+        let mut line = format!("{name}: {word} {} of {candidates}", findings.objective);
+        if !findings.constraints.is_empty() {
+            let _ = write!(line, ", subject to {}", findings.constraints.join(", "));
+        }
+        if swept {
+            let _ = write!(line, ", at {} points", points.len());
+        }
+        for broken in wrap(&line, WIDTH) {
+            let _ = writeln!(text, "{broken}");
+        }
     }
-}
 
-fn design(text: &mut String, study: &Study, findings: &DesignFindings) {
-    let word = match findings.sense {
-        Sense::Minimise => "smallest",
-        Sense::Maximise => "largest",
-    };
-    let _ = writeln!(
-        text,
-        "  {word} {} of {}",
-        findings.objective, findings.candidates
-    );
-    for constraint in &findings.constraints {
-        let _ = writeln!(text, "  subject to {constraint}");
+    /// The shortlist of one task.
+    fn ranked(&self, text: &mut String, findings: &DesignFindings) {
+        let Some(first) = findings.designs.first() else {
+            text.push_str("  no layouts\n");
+            return;
+        };
+        let names = shown_criteria(findings);
+        let mut table = self.design_table("rank", 0, findings, &names, &first.configuration);
+        for reference in &findings.references {
+            let mut cells = vec![String::new()];
+            cells.extend(names.iter().map(|name| self.value(name, reference)));
+            cells.extend(findings.references.iter().map(|_| String::new()));
+            cells.push(String::new());
+            cells.push(format!("reference {}{}", reference.name, where_of(reference, &findings.objective)));
+            table.row(cells, Vec::new());
+        }
+        let shown = findings.designs.len().min(self.study.report.shortlist);
+        for found in findings.designs.iter().take(shown) {
+            self.design_row(&mut table, found.rank.to_string(), found, findings, &names);
+        }
+        text.push_str(&table.text(2, WIDTH));
+        let more = findings.designs.len() - shown;
+        if more > 0 {
+            let _ = writeln!(text, "  … and {more} more in the report");
+        }
     }
-    for reference in &findings.references {
-        let _ = writeln!(
-            text,
-            "  reference {}: {}",
-            reference.name,
-            criteria_of(study, reference)
-        );
-    }
-    let shown = findings.designs.len().min(study.report.shortlist);
-    for found in findings.designs.iter().take(shown) {
-        one_design(text, study, findings, found);
-    }
-    let more = findings.designs.len() - shown;
-    if more > 0 {
-        let _ = writeln!(text, "  … and {more} more in the report");
-    }
-}
 
-fn one_design(text: &mut String, study: &Study, findings: &DesignFindings, found: &Design) {
-    let layout: Vec<&str> = found
-        .configuration
-        .devices
-        .iter()
-        .map(|device| device.designed.as_str())
-        .collect();
-    let _ = writeln!(text, "  {:>3}  {}", found.rank, layout.join(" ; "));
-    let si_unit = found
-        .configuration
-        .details
-        .get(&findings.objective)
-        .map_or("", |detail| detail.unit.as_str());
-    let mut line = format!(
-        "{} = {}",
-        findings.objective,
-        criterion(study, &findings.objective, found.objective, si_unit)
-    );
-    for (reference, improvement) in &found.improvement {
-        let _ = write!(line, ", {} on {reference}", percent(*improvement * 100.0));
+    /// The best design at each point of a sweep.
+    fn best_of_points(&self, text: &mut String, points: &[PointOutcome], first: &DesignFindings) {
+        let Some(best) = first.designs.first() else {
+            text.push_str("  no layouts\n");
+            return;
+        };
+        let names = shown_criteria(first);
+        let mut table = self.design_table("at", 1, first, &names, &best.configuration);
+        for point in points {
+            let Findings::Design(findings) = &point.findings else {
+                continue;
+            };
+            if let Some(best) = findings.designs.first() {
+                self.design_row(&mut table, at(&point.at), best, findings, &names);
+            }
+        }
+        text.push_str(&table.text(2, WIDTH));
     }
-    let _ = write!(
-        line,
-        ", {} of {} starts agree",
-        found.starts_agreeing, found.starts
-    );
-    if !found.feasible {
-        let _ = write!(
-            line,
-            ", NOT FEASIBLE: a constraint is missed by {} of its bound",
-            significant(found.violation, 3)
-        );
-    }
-    let _ = writeln!(text, "       {line}");
-    let values: Vec<String> = found
-        .configuration
-        .devices
-        .iter()
-        .flat_map(|device| &device.variables)
-        .map(|value| {
-            let side = found
-                .active_bounds
+
+    fn design_table(
+        &self,
+        lead: &str,
+        texts: usize,
+        findings: &DesignFindings,
+        names: &[&String],
+        example: &Evaluated,
+    ) -> Table {
+        let mut heading = vec![lead.to_owned()];
+        heading.extend(names.iter().map(|name| self.headed(name, example)));
+        heading.extend(
+            findings
+                .references
                 .iter()
-                .find_map(|active| active.strip_prefix(&format!("{} = ", value.name)))
-                .map_or(String::new(), |side| format!(" ({side} bound)"));
-            format!("{}{side}", named(value))
-        })
-        .collect();
-    if !values.is_empty() {
-        let _ = writeln!(text, "       {}", values.join(", "));
+                .map(|reference| format!("on {}", reference.name)),
+        );
+        heading.push("starts".to_owned());
+        heading.push("layout".to_owned());
+        Table::new(heading, texts)
+    }
+
+    fn design_row(
+        &self,
+        table: &mut Table,
+        lead: String,
+        found: &Design,
+        findings: &DesignFindings,
+        names: &[&String],
+    ) {
+        let one = &found.configuration;
+        let mut cells = vec![lead];
+        cells.extend(names.iter().map(|name| self.value(name, one)));
+        cells.extend(findings.references.iter().map(|reference| {
+            found
+                .improvement
+                .get(&reference.name)
+                .map_or_else(|| "–".to_owned(), |gain| percent(gain * 100.0))
+        }));
+        cells.push(format!("{}/{}", found.starts_agreeing, found.starts));
+        let layouts: Vec<&str> = one
+            .devices
+            .iter()
+            .map(|device| device.designed.as_str())
+            .collect();
+        cells.push(layouts.join(" ; "));
+        let mut under = Vec::new();
+        let values: Vec<String> = one
+            .devices
+            .iter()
+            .flat_map(|device| device.variables.iter().map(move |value| (device, value)))
+            .filter(|(_, value)| value.bounds.is_some())
+            .map(|(device, value)| {
+                let mark = mark(&device.name, &value.name, &found.active_bounds);
+                format!("{}{mark}", named(value))
+            })
+            .collect();
+        if !values.is_empty() {
+            under.push(values.join(", "));
+        }
+        if !found.objective.is_finite() {
+            under.push(format!("no value: {}", found.status));
+        } else if !found.feasible {
+            under.push(format!(
+                "NOT FEASIBLE: a constraint is missed by {}",
+                percent(found.violation * 100.0)
+            ));
+        }
+        table.row(cells, under);
+    }
+
+    /// A criterion's name with its unit.
+    fn headed(&self, name: &str, example: &Evaluated) -> String {
+        let si_unit = example
+            .details
+            .get(name)
+            .map_or("", |detail| detail.unit.as_str());
+        match shown_unit(self.study, name, si_unit).1 {
+            "" | "1" => name.to_owned(),
+            text => format!("{name} [{}]", unit(text)),
+        }
+    }
+
+    fn value(&self, name: &str, one: &Evaluated) -> String {
+        let value = one.criteria.get(name).copied().unwrap_or(f64::NAN);
+        significant(value / shown_unit(self.study, name, "").0, DIGITS)
+    }
+}
+
+/// The objective, then the criteria that constraints speak of.
+fn shown_criteria(findings: &DesignFindings) -> Vec<&String> {
+    let example = findings
+        .designs
+        .first()
+        .map(|design| &design.configuration.criteria);
+    let mut names: Vec<&String> = vec![&findings.objective];
+    for name in example.into_iter().flat_map(|criteria| criteria.keys()) {
+        let constrained = findings.constraints.iter().any(|text| {
+            text.strip_prefix(name.as_str())
+                .is_some_and(|rest| rest.starts_with(' '))
+        });
+        if constrained && *name != findings.objective {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// Where the objective's value is taken.
+fn where_of(one: &Evaluated, name: &str) -> String {
+    one.details
+        .get(name)
+        .and_then(|detail| detail.at_hz)
+        .map_or_else(String::new, |at| format!(", at {} Hz", significant(at, 4)))
+}
+
+/// Where values are taken, and why there is none.
+fn remarks(one: &Evaluated, names: &[&String]) -> String {
+    let several = names.len() > 1;
+    let mut remarks = Vec::new();
+    for name in names {
+        let Some(detail) = one.details.get(*name) else {
+            continue;
+        };
+        let lead = if several { format!("{name} ") } else { String::new() };
+        let value = one.criteria.get(*name).copied().unwrap_or(f64::NAN);
+        if !value.is_finite() {
+            remarks.push(format!("{lead}{}", detail.status));
+        } else if let Some(at) = detail.at_hz {
+            remarks.push(format!("{lead}at {} Hz", significant(at, 4)));
+        }
+    }
+    remarks.join(", ")
+}
+
+fn at(values: &[NamedValue]) -> String {
+    let values: Vec<String> = values.iter().map(named).collect();
+    values.join(", ")
+}
+
+/// `k1 = 180 N/m`, held together by no-break spaces.
+fn named(value: &NamedValue) -> String {
+    let number = compact(value.value, DIGITS);
+    if value.unit.is_empty() {
+        format!("{}\u{a0}=\u{a0}{number}", value.name)
+    } else {
+        format!("{}\u{a0}=\u{a0}{number}\u{a0}{}", value.name, unit(&value.unit))
+    }
+}
+
+fn mark(device: &str, variable: &str, active: &[String]) -> &'static str {
+    let side = active.iter().find_map(|text| {
+        let (name, side) = text.split_once(" = ")?;
+        // Where devices share a name, the device's stands before it.
+        let inner = name.strip_prefix(device).and_then(|rest| rest.strip_prefix('.'));
+        (name == variable || inner == Some(variable)).then_some(side)
+    });
+    match side {
+        Some("lower") => "\u{a0}▾",
+        Some("upper") => "\u{a0}▴",
+        _ => "",
     }
 }
