@@ -218,18 +218,9 @@ impl Printer<'_> {
             .collect();
         cells.push(layouts.join(" ; "));
         let mut under = Vec::new();
-        let values: Vec<String> = one
-            .devices
-            .iter()
-            .flat_map(|device| device.variables.iter().map(move |value| (device, value)))
-            .filter(|(_, value)| value.bounds.is_some())
-            .map(|(device, value)| {
-                let mark = mark(&device.name, &value.name, &found.active_bounds);
-                format!("{}{mark}", named(value))
-            })
-            .collect();
+        let values = values(one, &found.active_bounds);
         if !values.is_empty() {
-            under.push(values.join(", "));
+            under.push(values);
         }
         if !found.objective.is_finite() {
             under.push(format!("no value: {}", found.status));
@@ -313,12 +304,46 @@ fn at(values: &[NamedValue]) -> String {
 
 /// `k1 = 180 N/m`, held together by no-break spaces.
 fn named(value: &NamedValue) -> String {
+    quantity(&value.name, value)
+}
+
+fn quantity(name: &str, value: &NamedValue) -> String {
     let number = compact(value.value, DIGITS);
     if value.unit.is_empty() {
-        format!("{}\u{a0}=\u{a0}{number}", value.name)
+        format!("{name}\u{a0}=\u{a0}{number}")
     } else {
-        format!("{}\u{a0}=\u{a0}{number}\u{a0}{}", value.name, unit(&value.unit))
+        format!("{name}\u{a0}=\u{a0}{number}\u{a0}{}", unit(&value.unit))
     }
+}
+
+/// The values that were searched; those of one component stand together: `pipe1: d = 2 m, l = 3 m; k1 = 180 N/m`.
+fn values(one: &Evaluated, active: &[String]) -> String {
+    let mut text = String::new();
+    let mut before: Option<&str> = None;
+    for device in &one.devices {
+        for value in device.variables.iter().filter(|value| value.bounds.is_some()) {
+            let (instance, name) = match value.name.split_once('.') {
+                Some((instance, name)) => (Some(instance), name),
+                None => (None, value.name.as_str()),
+            };
+            if !text.is_empty() {
+                let apart = instance != before;
+                // What belongs to one component is not broken over lines.
+                text.push_str(match (apart, instance) {
+                    (true, _) => "; ",
+                    (false, Some(_)) => ",\u{a0}",
+                    (false, None) => ", ",
+                });
+            }
+            if let Some(instance) = instance.filter(|_| instance != before) {
+                let _ = write!(text, "{instance}:\u{a0}");
+            }
+            text.push_str(&quantity(name, value));
+            text.push_str(mark(&device.name, &value.name, active));
+            before = instance;
+        }
+    }
+    text
 }
 
 fn mark(device: &str, variable: &str, active: &[String]) -> &'static str {

@@ -3,7 +3,7 @@
 /// Spaces between columns.
 const GAP: &str = "  ";
 
-/// Rows under a heading; lines that belong to a row stand under its last column.
+/// Rows under a heading; lines that belong to a row stand under it, from its second column on.
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     heading: Vec<String>,
@@ -22,7 +22,7 @@ impl Table {
         }
     }
 
-    /// Adds a row with lines under its last column.
+    /// Adds a row with lines under it.
     pub(crate) fn row(&mut self, cells: Vec<String>, under: Vec<String>) {
         self.rows.push((cells, under));
     }
@@ -61,18 +61,13 @@ impl Table {
             }
             format!("{}\n", text.trim_end())
         };
-        let before_last: usize = widths
-            .iter()
-            .take(columns.saturating_sub(1))
-            .map(|width| width + GAP.len())
-            .sum();
-        let under_indent = " ".repeat(indent + before_last);
+        let under_indent = indent + widths.first().map_or(0, |width| width + GAP.len());
         let mut text = line(&self.heading);
         for (cells, under) in &self.rows {
             text.push_str(&line(cells));
-            let room = width.saturating_sub(indent + before_last).max(24);
+            let room = width.saturating_sub(under_indent).max(24);
             for broken in under.iter().flat_map(|words| wrap(words, room)) {
-                text.push_str(&under_indent);
+                text.push_str(&" ".repeat(under_indent));
                 text.push_str(&broken);
                 text.push('\n');
             }
@@ -110,11 +105,17 @@ mod tests {
     fn numbers_stand_to_the_right_and_words_to_the_left() {
         let cells = |cells: [&str; 3]| cells.map(str::to_owned).to_vec();
         let mut table = Table::new(cells(["name", "value", "layout"]), 1);
-        table.row(cells(["a", "1.50", "k1"]), vec!["one two three four five six".to_owned()]);
+        let under = "one two three four five six".to_owned();
+        table.row(cells(["a", "1.50", "k1"]), vec![under]);
         table.row(cells(["longer", "10.50", "k1 | c1"]), Vec::new());
-        assert_eq!(
-            table.text(2, 20),
-            "  name    value  layout\n  a        1.50  k1\n                 one two three four five\n                 six\n  longer  10.50  k1 | c1\n"
-        );
+        let expected = [
+            "  name    value  layout",
+            "  a        1.50  k1",
+            "          one two three four five",
+            "          six",
+            "  longer  10.50  k1 | c1",
+            "",
+        ];
+        assert_eq!(table.text(2, 33), expected.join("\n"));
     }
 }

@@ -59,11 +59,15 @@ pub(super) fn small(devices: &[Device]) -> Markup {
     }
 }
 
-/// Name, value, unit and place between the bounds, one row for each.
+/// Name, value, unit and place between the bounds, one row for each; values that were not searched stand apart below.
 pub(super) fn values_table(devices: &[Device]) -> Markup {
+    let bounds = any_searched(devices);
+    let shown = |value: &&DesignValue| !bounds || value.bounds.is_some();
     let values = || devices.iter().flat_map(|device| device.values.iter());
-    let units = values().any(|value| !value.value.unit.is_empty());
-    let bounds = values().any(|value| value.bounds.is_some());
+    let units = values()
+        .filter(shown)
+        .any(|value| !value.value.unit.is_empty());
+    let fixed: Vec<&DesignValue> = values().filter(|value| !shown(value)).collect();
     html! {
         @if values().next().is_some() {
             div.scroll { table.plain.values {
@@ -74,18 +78,49 @@ pub(super) fn values_table(devices: &[Device]) -> Markup {
                 } }
                 tbody {
                     @for device in devices {
-                        @if devices.len() > 1 && !device.values.is_empty() { tr { th.group colspan="4" { (device.name) } } }
-                        @for value in &device.values {
+                        @if devices.len() > 1 && device.values.iter().any(|value| shown(&value)) { tr { th.group colspan="4" { (device.name) } } }
+                        @for value in device.values.iter().filter(shown) {
                             tr {
                                 th scope="row" { code { (value.name) } }
                                 td.number { (significant(value.value.value, SIGNIFICANT_DIGITS)) }
                                 @if units { td { (unit(&value.value.unit)) } }
-                                @if bounds { td { @if let Some(bounds) = &value.bounds { (gauge(value, *bounds)) } @else { span.soft { "fixed" } } } }
+                                @if let Some(range) = &value.bounds { td { (gauge(value, *range)) } }
                             }
                         }
                     }
                 }
             } }
+            @if !fixed.is_empty() {
+                p.evidence {
+                    "Fixed: "
+                    @for (index, value) in fixed.iter().enumerate() {
+                        @if index > 0 { " · " }
+                        (pair(value, compact(value.value.value, SIGNIFICANT_DIGITS)))
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Whether any value was searched.
+fn any_searched(devices: &[Device]) -> bool {
+    let mut values = devices.iter().flat_map(|device| device.values.iter());
+    values.any(|value| value.bounds.is_some())
+}
+
+/// Name, number and unit of a value, held together.
+fn pair(value: &DesignValue, number: String) -> Markup {
+    html! {
+        span.pair {
+            span.name { (value.name) } "\u{a0}"
+            (number)
+            @if !value.value.unit.is_empty() { span.unit { "\u{a0}" (unit(&value.value.unit)) } }
+            @match value.active {
+                Some(Side::Lower) => abbr.bound title="at its lower bound" { "▾" },
+                Some(Side::Upper) => abbr.bound title="at its upper bound" { "▴" },
+                None => {},
+            }
         }
     }
 }
@@ -105,25 +140,18 @@ fn gauge(value: &DesignValue, bounds: Bounds) -> Markup {
 
 fn side_word(side: Side) -> &'static str {
     match side {
-        Side::Lower => "at lower bound",
-        Side::Upper => "at upper bound",
+        Side::Lower => "lower bound",
+        Side::Upper => "upper bound",
     }
 }
 
-/// The values in one line, for rows of tables; a value at a bound is marked.
+/// The values in one line, for rows of tables; a value at a bound is marked. Where values were searched, only those.
 pub(super) fn values_line(devices: &[Device]) -> Markup {
+    let searched = any_searched(devices);
     html! {
         @for device in devices { div.values-line {
-            @for value in &device.values {
-                span.pair {
-                    span.name { (value.name) } "\u{a0}"
-                    (number_with_unit(value.value.value, &value.value.unit))
-                    @match value.active {
-                        Some(Side::Lower) => abbr.bound title="at its lower bound" { "▾" },
-                        Some(Side::Upper) => abbr.bound title="at its upper bound" { "▴" },
-                        None => {},
-                    }
-                }
+            @for value in device.values.iter().filter(|value| !searched || value.bounds.is_some()) {
+                (pair(value, significant(value.value.value, SIGNIFICANT_DIGITS)))
             }
         } }
     }

@@ -146,11 +146,13 @@ impl Bridge<'_> {
             Sense::Maximise => "Largest",
         };
         let mut sentence = format!("{verb} `{}`", design.objective);
-        if let Some(criterion) = self.study.criteria.get(&design.objective) {
-            sentence.push_str(&format!(" ({})", self.meaning(criterion)));
-        }
         if let Some(findings) = findings {
-            sentence.push_str(&format!(" of {}", findings.candidates));
+            // Of one layout there is nothing to tell apart.
+            let candidates = match findings.candidates.strip_prefix("1 layout,") {
+                Some(_) => "1 layout",
+                None => findings.candidates.as_str(),
+            };
+            sentence.push_str(&format!(" of {candidates}"));
             if !findings.constraints.is_empty() {
                 sentence.push_str(&format!(
                     "; subject to `{}`",
@@ -342,7 +344,8 @@ fn reference_words(reference: &Evaluated) -> String {
 /// How surely a value is known.
 fn sureness(detail: &quell_study::results::CriterionDetail) -> String {
     match detail.achieved_tolerance {
-        Some(tolerance) if tolerance > 0.0 => {
+        // What is left of exact arithmetic is no tolerance to speak of.
+        Some(tolerance) if tolerance > 1e-12 => {
             format!("{} within {}", detail.status, significant(tolerance, 2))
         }
         _ => detail.status.clone(),
@@ -380,12 +383,12 @@ fn response(plot: &quell_study::Plot) -> Plot {
         })
         .collect();
     let caption = match (references, series.len() - references) {
-        _ if evaluated => "Response over frequency; peaks are marked.",
-        (0, _) => "Responses of the best designs; peaks are marked.",
-        (_, 1) => "Response of the design over the references; peaks are marked.",
-        _ => "Responses of the best designs over the references; peaks are marked.",
+        _ if evaluated => "Response over frequency",
+        (0, _) => "Responses of the best designs",
+        (_, 1) => "Response of the design over the references",
+        _ => "Responses of the best designs over the references",
     };
-    picture(plot, caption.to_owned(), series)
+    picture(plot, caption, series)
 }
 
 fn curve(series: &quell_study::Series, name: String, role: plot::Role) -> Series {
@@ -398,9 +401,10 @@ fn curve(series: &quell_study::Series, name: String, role: plot::Role) -> Series
     }
 }
 
-fn picture(plot: &quell_study::Plot, caption: String, series: Vec<Series>) -> Plot {
+fn picture(plot: &quell_study::Plot, caption: &str, series: Vec<Series>) -> Plot {
+    let marked = series.iter().any(|series| series.peak.is_some());
     Plot {
-        caption,
+        caption: format!("{caption}{}", if marked { "; peaks are marked." } else { "." }),
         x: Axis {
             label: "Frequency".to_owned(),
             unit: "Hz".to_owned(),
@@ -428,7 +432,7 @@ fn wide(series: &[Series]) -> bool {
         least = least.min(value);
         most = most.max(value);
     }
-    most > 300.0 * least
+    most > 1e4 * least
 }
 
 /// One picture for each response: the best design, or the only configuration, at points spread over the sweep.
@@ -460,8 +464,7 @@ fn swept_plots(task: &TaskOutcome) -> Vec<Plot> {
                     Some(curve(best, at_words(&point.at), plot::Role::Design))
                 })
                 .collect();
-            let caption = "Response of the best design at points of the sweep; peaks are marked.";
-            picture(plot, caption.to_owned(), series)
+            picture(plot, "Response of the best design at points of the sweep", series)
         })
         .collect()
 }
