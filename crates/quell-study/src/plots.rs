@@ -54,7 +54,10 @@ impl Curves {
             };
             let title = quantity(study, criterion);
             let assembly = &built.assembly;
-            let Some((low, high)) = band.or_else(|| around_modes(assembly, values)) else {
+            // Curves that are compared run over the same frequencies: without a band those of the first.
+            let first = || self.range(criterion);
+            let own = || around_modes(assembly, values);
+            let Some((low, high)) = band.or_else(first).or_else(own) else {
                 continue;
             };
             let logarithmic = low > 0.0 && high / low > 50.0;
@@ -89,6 +92,13 @@ impl Curves {
                 )),
             }
         }
+    }
+
+    /// The angular frequencies over which the first curve of a criterion runs.
+    fn range(&self, criterion: &str) -> Option<(f64, f64)> {
+        let (_, plot) = self.plots.iter().find(|(known, _)| known == criterion)?;
+        let points = &plot.series.first()?.points;
+        Some((points.first()?.0 * TAU, points.last()?.0 * TAU))
     }
 
     /// The plots, without repetitions of the same response under another criterion.
