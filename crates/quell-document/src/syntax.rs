@@ -46,6 +46,11 @@ fn in_words(error: &str, found: &str, at_line_end: bool) -> (String, Option<Stri
         )
     } else if is("string values must be quoted") || is("invalid boolean") {
         return unquoted(found);
+    } else if error.contains("visible characters") && found.chars().any(char::is_control) {
+        (
+            "this character cannot be shown, and TOML does not allow it".to_owned(),
+            "remove it; in double quotes it may be written as an escape such as `\\u0007`",
+        )
     } else if error.contains(" string,") && is("invalid") && at_line_end {
         (
             "a text is not closed".to_owned(),

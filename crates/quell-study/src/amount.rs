@@ -24,6 +24,13 @@ impl Amount {
         let span = value.span();
         let expression = if value.is_text() {
             value.expression()?
+        } else if !value.is_number() {
+            return Err(value
+                .fault(format!(
+                    "expected a number, or a text with a unit, found {}",
+                    value.describe()
+                ))
+                .help("write a quantity such as `\"5 N/m\"`, or a plain number in SI"));
         } else {
             let number = value.as_f64()?;
             Expression {

@@ -424,7 +424,15 @@ impl<'a> Builder<'a> {
                 _ => layout.to_string(),
             };
             let piston = match &device.piston {
-                Some(amount) => Some(amount.value(&self.situation.parameters, Dimension::AREA)?),
+                Some(amount) => {
+                    let area = amount.value(&self.situation.parameters, Dimension::AREA)?;
+                    if area <= 0.0 {
+                        return Err(amount.fault(format!(
+                            "the piston of `{name}` has an area of {area} m^2, which is not above zero"
+                        )));
+                    }
+                    Some(area)
+                }
                 None => None,
             };
             let components = self.situation.components(self.study)?;
@@ -620,7 +628,11 @@ impl<'a> Builder<'a> {
         };
         let fault = Fault::at(
             &self.study.source,
-            wanted.attachment.span,
+            if wanted.in_frame {
+                wanted.attachment.device.span
+            } else {
+                wanted.attachment.span
+            },
             format!(
                 "`{name}` in the layout `{}` of `{}` has {what}",
                 wanted.attachment.layout, wanted.attachment.name
@@ -702,10 +714,24 @@ pub(crate) fn range(
     } else {
         Scale::Linear
     });
-    Variable::new(name, lower, upper, scale).map_err(|error| {
-        Fault::at(source, bounds.span, error.to_string())
-            .help("bounds are `[lower, upper]`; a value that does not vary belongs to `fixed`")
-    })
+    let fault = |message: String| Fault::at(source, bounds.span, message);
+    if lower == upper {
+        return Err(fault(format!("the two bounds of `{name}` are the same"))
+            .help("a value that does not vary belongs to `fixed`"));
+    }
+    if lower > upper {
+        return Err(fault(format!(
+            "the lower bound of `{name}` is above the upper one"
+        ))
+        .help("exchange them: bounds are `[lower, upper]`"));
+    }
+    if scale == Scale::Logarithmic && lower <= 0.0 {
+        return Err(fault(format!(
+            "`{name}` is searched on a logarithmic scale, but its lower bound is not above zero"
+        ))
+        .help("raise the bound, or write `scale = \"linear\"`"));
+    }
+    Variable::new(name, lower, upper, scale).map_err(|error| fault(error.to_string()))
 }
 
 /// What is wrong with a component, at the value at fault where it is known and else at `span`.
@@ -723,11 +749,19 @@ pub(crate) fn component_fault(study: &Study, error: ComponentError, span: Span) 
             element,
             error,
         } => {
+            let helped = error.help.is_some();
             // A value that has no number at the middle of its bounds has no place of its own in the text.
-            if error.span == Span::default() {
+            let fault = if error.span == Span::default() {
                 Fault::at(source, place(&component, &element), error.message)
             } else {
                 Fault::from_expression(source, error)
+            };
+            if helped {
+                fault
+            } else {
+                fault.help(format!(
+                    "a value may use the `variables` of `{component}`, each tried in the middle of its bounds, and the host's parameters"
+                ))
             }
         }
         ComponentError::Dimension {

@@ -13,7 +13,9 @@
 //! y is linear in coordinates, inputs and outputs of the host (`xe - xs`, `xe''`, `force(port)`, `stroke(part)`);
 //! around these calls any arithmetic over host parameters may stand.
 
-use quell_expression::{Dimension, Expression, ExpressionError, Node, Quantity, Scope};
+use quell_expression::{
+    Dimension, Expression, ExpressionError, Function, Node, Quantity, Scope, Span, nearest,
+};
 use quell_model::LinearForm;
 
 /// A number taken from the response of an assembly.
@@ -211,7 +213,47 @@ fn split(
             span: expression.span,
         });
     }
+    let varies = || ExpressionError {
+        span: expression.span,
+        message: format!(
+            "`{}` is not one number: it varies over the run",
+            expression.excerpt()
+        ),
+        help: Some(offers(context.kind())),
+    };
     let node = match &expression.node {
+        Node::Comparison { .. } => {
+            return Err(ExpressionError {
+                span: expression.span,
+                message: "a criterion is a number, not a comparison".to_owned(),
+                help: Some(
+                    "a task compares it: `subject_to = [\"CRITERION <= VALUE\"]`".to_owned(),
+                ),
+            });
+        }
+        Node::Derivative { .. } if context.signal(expression).is_ok() => return Err(varies()),
+        Node::Call { function, .. }
+            if matches!(function.as_str(), "force" | "stroke")
+                && context.signal(expression).is_ok() =>
+        {
+            return Err(varies());
+        }
+        Node::Call {
+            function,
+            function_span,
+            ..
+        } if Function::from_name(function).is_none() => {
+            let known = Function::ALL.iter().map(|(name, _)| *name);
+            let near = nearest(function, known.chain(["h2", "rms", "variance"]));
+            return Err(ExpressionError {
+                span: *function_span,
+                message: format!("unknown function `{function}`"),
+                help: Some(match near {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => offers(context.kind()),
+                }),
+            });
+        }
         Node::Negate(operand) => Node::Negate(Box::new(split(operand, context, functionals)?)),
         Node::Binary { .. } => return split_chain(expression, context, functionals),
         Node::Call {
@@ -228,12 +270,11 @@ fn split(
         },
         Node::Name(name) if context.scope().quantity(name).is_none() && name != "pi" => {
             // A bare signal is the commonest slip: a criterion is one number, a signal is many.
+            if Modal::from_name(name).is_some() && context.kind() != RunKind::Modes {
+                return Err(only_modes(name, expression.span));
+            }
             if context.signal(expression).is_ok() || Modal::from_name(name).is_some() {
-                return Err(ExpressionError {
-                    span: expression.span,
-                    message: format!("`{name}` is not one number: it varies over the run"),
-                    help: Some(offers(context.kind())),
-                });
+                return Err(varies());
             }
             expression.node.clone()
         }
@@ -243,6 +284,15 @@ fn split(
         node,
         span: expression.span,
     })
+}
+
+/// What modes have, asked of another run.
+fn only_modes(name: &str, span: Span) -> ExpressionError {
+    ExpressionError {
+        span,
+        message: format!("`{name}` is read from modes, and this run is none of them"),
+        help: Some("add a run of `kind = \"modes\"` and name it here".to_owned()),
+    }
 }
 
 /// A chain such as a - b + c, in a loop: it may be thousands long.

@@ -186,10 +186,12 @@ impl Evaluator {
                 &study.source,
                 *span,
                 format!(
-                    "`{name}` is in {}, which `{}` cannot show",
-                    compiled.dimension, unit.text
+                    "`{name}` is {}, which cannot be shown in `{}`",
+                    crate::amount::described(compiled.dimension),
+                    unit.text
                 ),
-            ));
+            )
+            .help("a response is over its input: metres by metres make a plain number"));
         }
         let mut readings = Vec::new();
         for (functional, dimension) in compiled.functionals {

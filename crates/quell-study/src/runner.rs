@@ -307,10 +307,15 @@ fn reference_candidate<'a>(
             Err(
                 match quell_expression::nearest(name, names.iter().map(|name| name.as_str())) {
                     Some(near) => fault.help(format!("did you mean `{near}`?")),
-                    None => match error.help {
-                        Some(help) => fault.help(help),
-                        None => fault,
-                    },
+                    None => {
+                        let all: Vec<String> =
+                            names.iter().map(|name| format!("`{name}`")).collect();
+                        let mut help = error.help.unwrap_or_default();
+                        if !all.is_empty() {
+                            help = format!("configurations are {}. {help}", all.join(", "));
+                        }
+                        fault.help(help.trim().to_owned())
+                    }
                 },
             )
         }

@@ -52,12 +52,38 @@ pub(crate) fn build(
         replaced.retain(|known| known.name != *name);
         replaced.push(Override::new(name.clone(), *quantity));
     }
-    let assembled = host.assemble(&replaced)?;
+    let assembled = host
+        .assemble(&replaced)
+        .map_err(|fault| blamed(fault, host, &replaced))?;
     Ok(Situation {
         host: Arc::new(assembled.linear),
         parameters: assembled.parameters,
         elements: assembled.elements,
     })
+}
+
+/// A host that is sound as it stands and not with these values: the message says which.
+fn blamed(fault: Fault, host: &HostFile, replaced: &[Override]) -> Fault {
+    let in_host = fault
+        .source
+        .as_ref()
+        .is_some_and(|source| Arc::ptr_eq(source, host.source()));
+    if replaced.is_empty() || !in_host || host.assemble(&[]).is_err() {
+        return fault;
+    }
+    let values: Vec<String> = replaced
+        .iter()
+        .map(|replaced| {
+            let unit = replaced.value.dimension.unit_text();
+            format!("`{} = {} {unit}`", replaced.name, replaced.value.value).replace(" `", "`")
+        })
+        .collect();
+    let cause = format!("the study gives the host {}", values.join(", "));
+    let help = match &fault.help {
+        Some(help) => format!("{cause}; {help}"),
+        None => cause,
+    };
+    fault.help(help)
 }
 
 /// Whether a parameter is a frequency, for which a plain number is refused.

@@ -112,12 +112,12 @@ const LITTLE_STACK: usize = 1 << 20;
 
 #[test]
 fn long_criteria_take_no_stack() {
-    let sum_of_norms = format!("h2(x1){}", " + h2(x1)".repeat(1900));
+    let sum_of_norms = format!("h2(x1){}", " + h2(x1)".repeat(990));
     assert_eq!(
         checked_with_stack(with_criterion(&sum_of_norms), LITTLE_STACK),
         Ok(())
     );
-    let sum_of_signals = format!("max(abs(x1{}))", " - 0.5*x2".repeat(900));
+    let sum_of_signals = format!("max(abs(x1{}))", " - 0.5*x2".repeat(990));
     assert_eq!(
         checked_with_stack(with_criterion(&sum_of_signals), LITTLE_STACK),
         Ok(())

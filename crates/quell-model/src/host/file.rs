@@ -73,6 +73,7 @@ impl HostFile {
                 .help("a path is relative to the file that names it"),
             std::io::ErrorKind::InvalidData => {
                 Fault::new(format!("the host file `{name}` is not text"))
+                    .help("save it with the encoding UTF-8")
             }
             _ => Fault::new(format!("the host file `{name}` cannot be read: {error}")),
         })?;
@@ -91,7 +92,10 @@ impl HostFile {
     pub fn parse(source: Arc<Source>, folder: impl Into<PathBuf>) -> Result<Self, Fault> {
         let document = Document::parse(Arc::clone(&source))?;
         let root = document.root();
-        let version = root.require("quell")?;
+        let version = root.get("quell").ok_or_else(|| {
+            root.fault("the file does not say which version of the format it is written in")
+                .help(format!("begin the file with `quell = {FORMAT}`"))
+        })?;
         let number = version.as_integer()?;
         if number != FORMAT {
             return Err(version

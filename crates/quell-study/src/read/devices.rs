@@ -10,7 +10,7 @@ use quell_model::linear::CoordinateKind;
 use quell_network::{Domain, Element, Kind, KindError, Kinds, Layout, LayoutError};
 use quell_search::Scale;
 
-use super::{amounts_of, check_name, counted, resolve, unknown};
+use super::{amounts_of, check_name, counted, named_tables, resolve, unknown};
 use crate::amount::Amount;
 use crate::keys;
 use crate::study::{Bounds, Component, Declared, Device};
@@ -322,11 +322,11 @@ pub(super) fn devices(
     host: &LinearHost,
     source: &Arc<Source>,
 ) -> Result<IndexMap<String, Device>, Fault> {
-    let table = value.as_table()?;
+    let table = named_tables(value, "devices")?;
     let mut devices = IndexMap::new();
     for (name, span, value) in table.entries() {
         check_name(name, span, &table)?;
-        let entry = value.as_table()?;
+        let entry = named_tables(&value, "devices")?;
         entry.check(&keys::DEVICE)?;
         let port_value = entry.require("port")?;
         let index = resolve(
@@ -369,9 +369,11 @@ pub(super) fn devices(
                 .help("add `piston = \"2.5e-3 m^2\"`"));
             }
             (Some(piston), other) if other != Domain::Hydraulic => {
-                return Err(piston.fault(format!(
-                    "a piston belongs to a hydraulic device, and `{name}` is {other}"
-                )));
+                return Err(piston
+                    .fault(format!(
+                        "a piston belongs to a hydraulic device, and `{name}` is {other}"
+                    ))
+                    .help("write `domain = \"hydraulic\"` for a device whose layouts are of fluid, or remove the piston"));
             }
             _ => {}
         }

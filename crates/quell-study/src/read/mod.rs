@@ -128,7 +128,24 @@ fn read_host(value: &Value<'_>, folder: &Path) -> Result<HostFile, Fault> {
             .fault(format!("the host file `{}` does not exist", path.display()))
             .help("the path is relative to the study file"));
     }
-    HostFile::read(&path)
+    HostFile::read(&path).map_err(|fault| {
+        // A file that is not even text has no place of its own.
+        if fault.source.is_some() {
+            fault
+        } else {
+            Fault {
+                help: fault.help,
+                ..value.fault(fault.message)
+            }
+        }
+    })
+}
+
+/// A table of named tables; whoever writes a list of them or a single value is told how it is written.
+fn named_tables<'a>(value: &Value<'a>, section: &str) -> Result<Table<'a>, Fault> {
+    value
+        .as_table()
+        .map_err(|fault| fault.help(format!("write `[{section}.NAME]` for each")))
 }
 
 /// BLAKE3 of everything that determines the results: Quell's version, study, host, matrices.
@@ -198,12 +215,21 @@ fn unknown<'a>(
     if let Some(near) = nearest(name, names.clone()) {
         return fault.help(format!("did you mean `{near}`?"));
     }
-    let all: Vec<String> = names.take(12).map(|name| format!("`{name}`")).collect();
-    if all.is_empty() {
-        fault.help(format!("no {what} is defined"))
-    } else {
-        fault.help(format!("there is {}", all.join(", ")))
-    }
+    let all: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    fault.help(match all.as_slice() {
+        [] => format!("no {what} is defined"),
+        [only] => format!("there is only {only}"),
+        [first @ .., last] if all.len() <= 12 => {
+            format!("there are {} and {last}", first.join(", "))
+        }
+        [first, second, third, ..] => {
+            format!(
+                "there are {}, among them {first}, {second} and {third}",
+                all.len()
+            )
+        }
+        [first, ..] => format!("there is {first}"),
+    })
 }
 
 /// Names of the user's that expressions may use must not be taken by functions or constants.
@@ -237,11 +263,11 @@ fn runs(
     host: &LinearHost,
     source: &Arc<Source>,
 ) -> Result<IndexMap<String, Run>, Fault> {
-    let table = value.as_table()?;
+    let table = named_tables(value, "runs")?;
     let mut runs = IndexMap::new();
     for (name, span, value) in table.entries() {
         check_name(name, span, &table)?;
-        let entry = value.as_table()?;
+        let entry = named_tables(&value, "runs")?;
         entry.check(&keys::RUN)?;
         let kind = entry.require("kind")?.one_of(&["frequency", "modes"])?;
         let strangers: &[&str] = if kind == "modes" {
@@ -271,7 +297,21 @@ fn runs(
                 oscillatory: which == Some("oscillatory"),
             }
         } else {
-            let input = entry.require("input")?;
+            let input = entry.get("input").ok_or_else(|| {
+                let inputs: Vec<String> = host
+                    .inputs
+                    .iter()
+                    .map(|input| format!("`input = \"{}\"`", input.name))
+                    .collect();
+                let fault = entry.fault(format!(
+                    "the run `{name}` does not say which input shakes the host"
+                ));
+                if inputs.is_empty() {
+                    fault.help("the host has no input: add one to it under `[inputs]`")
+                } else {
+                    fault.help(format!("add {}", inputs.join(" or ")))
+                }
+            })?;
             let index = resolve(
                 &input,
                 "input",
@@ -301,14 +341,19 @@ fn runs(
 }
 
 fn read_band(value: &Value<'_>, source: &Arc<Source>) -> Result<(Amount, Amount), Fault> {
-    match value.as_array()?.as_slice() {
+    const EXAMPLE: &str = "write `band = [\"0 Hz\", \"30 Hz\"]`";
+    match value
+        .as_array()
+        .map_err(|fault| fault.help(EXAMPLE))?
+        .as_slice()
+    {
         [lower, upper] => Ok((Amount::read(lower, source)?, Amount::read(upper, source)?)),
         other => Err(value
             .fault(format!(
                 "a band has a lower and an upper frequency, found {}",
                 counted(other.len(), "value")
             ))
-            .help("write `band = [\"0 Hz\", \"30 Hz\"]`")),
+            .help(EXAMPLE)),
     }
 }
 
@@ -325,7 +370,7 @@ fn criteria(
     value: &Value<'_>,
     runs: &IndexMap<String, Run>,
 ) -> Result<IndexMap<String, Criterion>, Fault> {
-    let table = value.as_table()?;
+    let table = named_tables(value, "criteria")?;
     let mut criteria = IndexMap::new();
     for (name, span, value) in table.entries() {
         check_name(name, span, &table)?;
@@ -333,8 +378,9 @@ fn criteria(
             return Err(Fault::at(
                 table.source(),
                 span,
-                format!("`{name}` is what every mode has; choose another name"),
-            ));
+                format!("`{name}` is the name of what every mode has"),
+            )
+            .help("choose another name"));
         }
         let entry = value.as_table()?;
         entry.check(&keys::CRITERION)?;

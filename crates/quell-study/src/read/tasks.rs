@@ -5,7 +5,7 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 use quell_document::{Fault, Source, Table, Value};
 use quell_expression::{ComparisonOperator, Expression, Node, Span};
-use quell_network::{Budget, Domain, Enumeration, Equivalence, Kinds, Layout};
+use quell_network::{Budget, Domain, Enumeration, EnumerationError, Equivalence, Kinds, Layout};
 use quell_search::Scale;
 
 use super::{amounts_of, devices, resolve, unknown};
@@ -20,11 +20,16 @@ use crate::study::{
 /// A search gives up on nothing, but a list of more layouts than this would not end within a working day.
 const MOST_LAYOUTS: u128 = 1_000_000;
 
+/// What to do about too many layouts.
+const FEWER: &str = "lower the numbers, or list the layouts of interest";
+
 /// A sweep of more points than this is a slip.
 const MOST_POINTS: usize = 10_000;
 
 pub(super) fn tasks(value: &Value<'_>, study: &Study) -> Result<Vec<Task>, Fault> {
-    let list = value.as_array()?;
+    let list = value
+        .as_array()
+        .map_err(|fault| fault.help("write `[[tasks]]` for each task"))?;
     if list.is_empty() {
         return Err(value
             .fault("the study asks for nothing")
@@ -184,10 +189,16 @@ fn evaluate(
     table: &Table<'_>,
     study: &Study,
 ) -> Result<IndexMap<String, ConfigurationSpec>, Fault> {
-    let value = table.require("configurations")?;
+    const EXAMPLE: &str =
+        "write `[tasks.configurations.NAME]`, below it a layout for each device and its values";
+    let value = table.get("configurations").ok_or_else(|| {
+        table
+            .fault("the task does not say which configurations to evaluate")
+            .help(EXAMPLE)
+    })?;
     let mut found = IndexMap::new();
     for (name, span, value) in value.as_table()?.entries() {
-        let entry = value.as_table()?;
+        let entry = value.as_table().map_err(|fault| fault.help(EXAMPLE))?;
         let mut layouts = IndexMap::new();
         let mut values = IndexMap::new();
         for (key, key_span, value) in entry.entries() {
@@ -216,7 +227,9 @@ fn evaluate(
         );
     }
     if found.is_empty() {
-        return Err(value.fault("there is no configuration to evaluate"));
+        return Err(value
+            .fault("there is no configuration to evaluate")
+            .help(EXAMPLE));
     }
     Ok(found)
 }
@@ -244,7 +257,8 @@ fn design(table: &Table<'_>, study: &Study) -> Result<DesignTask, Fault> {
     )?;
     let constraints = match table.get("subject_to") {
         Some(value) => value
-            .as_array()?
+            .as_array()
+            .map_err(|fault| fault.help("write `subject_to = [\"CRITERION <= VALUE\"]`"))?
             .iter()
             .map(|value| constraint(value, study))
             .collect::<Result<_, _>>()?,
@@ -406,12 +420,17 @@ fn candidates(table: &Table<'_>, study: &Study) -> Result<IndexMap<Slot, Candida
             budget(&value, &kinds, study, &slot)?
         } else {
             let layouts = value
-                .as_array()?
+                .as_array()
+                .map_err(|fault| {
+                    fault.help("write a list of layouts, `[\"k1 | c1\"]`, or a budget, `{ springs = 1, dampers = 1 }`")
+                })?
                 .iter()
                 .map(|value| Ok((devices::layout(value, &kinds)?, value.span())))
                 .collect::<Result<Vec<(Layout, Span)>, Fault>>()?;
             if layouts.is_empty() {
-                return Err(value.fault("there is no layout to try"));
+                return Err(value
+                    .fault("there is no layout to try")
+                    .help("list layouts such as `\"k1 | c1\"`"));
             }
             CandidateSet::Layouts(layouts)
         };
@@ -430,7 +449,7 @@ fn candidates(table: &Table<'_>, study: &Study) -> Result<IndexMap<Slot, Candida
                 "these candidates give {} combinations, more than can be searched",
                 rounded(total)
             ))
-            .help("lower the numbers, or list the layouts of interest"));
+            .help(FEWER));
     }
     Ok(found)
 }
@@ -520,18 +539,22 @@ fn budget(
         .unwrap_or_default();
     let mut enumerations = Vec::new();
     let mut total: u128 = 0;
-    for (index, number) in branches.iter().copied().enumerate() {
-        if branches.iter().take(index).any(|known| *known == number) {
-            return Err(value.fault("`branches` lists a number twice"));
-        }
+    for number in branches {
         let enumeration = Enumeration::new(kinds, &budgets, number, equivalence)
-            .map_err(|error| value.fault(error.to_string()))?
+            .map_err(|error| match error {
+                EnumerationError::TooMany => value
+                    .fault("this budget has more layouts than can be numbered")
+                    .help(FEWER),
+                other => value.fault(other.to_string()),
+            })?
             .avoiding(taken.iter().map(String::as_str));
         total = total.saturating_add(enumeration.count());
         enumerations.push(enumeration);
     }
     if total == 0 {
-        return Err(value.fault("no layout meets this budget"));
+        return Err(value
+            .fault("no layout meets this budget")
+            .help("compare `branches` with `at_least` and `at_most`"));
     }
     if total > MOST_LAYOUTS {
         return Err(value
@@ -539,7 +562,7 @@ fn budget(
                 "this budget has {} layouts, more than can be searched",
                 rounded(total)
             ))
-            .help("lower the numbers, or list the layouts of interest"));
+            .help(FEWER));
     }
     Ok(CandidateSet::Budget {
         enumerations,
@@ -602,14 +625,29 @@ fn component_budget(
             continue;
         };
         if component.domain != kinds.domain() {
-            return Err(value.fault(format!(
-                "the component `{name}` is {}, the device {}",
-                component.domain,
-                kinds.domain()
-            )));
+            return Err(value
+                .fault(format!(
+                    "the component `{name}` is {}, the device {}",
+                    component.domain,
+                    kinds.domain()
+                ))
+                .help(format!(
+                    "a component says its domain: `domain = \"{}\"`",
+                    kinds.domain()
+                )));
+        }
+        if budgets.iter().any(|budget: &Budget| budget.kind == *name) {
+            return Err(value
+                .fault(format!("the component `{name}` is listed twice"))
+                .help("once is enough: `at_least` and `at_most` say how many"));
         }
         let single = component.layout.branches().count() == 1;
         budgets.push(Budget::any(name).single_element(single));
+    }
+    if budgets.is_empty() {
+        return Err(components.fault("this budget lists no component").help(
+            "write `components = [\"NAME\"]`, or a budget of elements such as `{ springs = 1 }`",
+        ));
     }
     for (key, least) in [("at_least", true), ("at_most", false)] {
         let Some(value) = table.get(key) else {
@@ -638,19 +676,27 @@ fn component_budget(
             };
         }
     }
-    let branches = table.require("branches")?;
+    let branches = table.get("branches").ok_or_else(|| {
+        table
+            .fault("this budget does not say how many branches a layout has")
+            .help("add `branches = 2` or `branches = [1, 2]`")
+    })?;
     let list = if branches.is_array() {
         branches.as_array()?
     } else {
         vec![branches.clone()]
     };
-    let numbers = list
-        .iter()
-        .map(|value| match value.as_count()? {
-            0 => Err(value.fault("a layout has at least one branch")),
-            number => Ok(Some(number)),
-        })
-        .collect::<Result<_, _>>()?;
+    let mut numbers: Vec<Option<usize>> = Vec::new();
+    for value in list {
+        let number = value.as_count()?;
+        if number == 0 {
+            return Err(value.fault("a layout has at least one branch"));
+        }
+        if numbers.contains(&Some(number)) {
+            return Err(value.fault(format!("{number} branches are listed twice")));
+        }
+        numbers.push(Some(number));
+    }
     Ok((budgets, numbers))
 }
 
@@ -706,7 +752,9 @@ fn sweep_values(value: &Value<'_>, source: &Arc<Source>) -> Result<SweepValues, 
             .map(|value| Amount::read(value, source))
             .collect::<Result<Vec<_>, _>>()?;
         if values.is_empty() {
-            return Err(value.fault("the sweep has no value"));
+            return Err(value.fault("the sweep has no value").help(
+                "write `[\"10 kg\", \"12 kg\"]`, or a range `{ from = …, to = …, points = … }`",
+            ));
         }
         Ok(SweepValues::List(values))
     };
@@ -727,6 +775,16 @@ fn sweep_values(value: &Value<'_>, source: &Arc<Source>) -> Result<SweepValues, 
             ));
         }
         return list(&values);
+    }
+    if let Some(missing) = ["from", "to", "points"]
+        .iter()
+        .find(|key| table.get(key).is_none())
+    {
+        return Err(table
+            .fault(format!("the range of this sweep lacks `{missing}`"))
+            .help(
+                "write `{ from = \"10 kg\", to = \"12 kg\", points = 5 }`, or the values as a list",
+            ));
     }
     let points_value = table.require("points")?;
     let points = points_value.as_count()?;
