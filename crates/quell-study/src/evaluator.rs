@@ -708,6 +708,13 @@ pub(crate) fn prepare(study: &Study, situation: &Situation, run: &Run) -> Result
     }
 }
 
+/// The least and the largest upper frequency of a band, rad/s.
+const SLOWEST: f64 = 1e-9 * std::f64::consts::TAU;
+const FASTEST: f64 = 1e12 * std::f64::consts::TAU;
+
+/// The least width of a band over its upper frequency.
+const NARROWEST: f64 = 1e-8;
+
 /// Lower and upper frequency, rad/s.
 fn band_of(
     situation: &Situation,
@@ -723,6 +730,17 @@ fn band_of(
         return Err(upper
             .fault("the band is empty: its upper frequency is not above the lower one")
             .help("write `band = [\"0 Hz\", \"30 Hz\"]`"));
+    }
+    // Outside these a grid of frequencies has no sense, and numbers near the smallest cannot be told apart.
+    if !(SLOWEST..=FASTEST).contains(&high) {
+        return Err(upper
+            .fault("a band ends between 1e-9 Hz and 1e12 Hz")
+            .help("are the units the ones that are meant?"));
+    }
+    if high - low < NARROWEST * high {
+        return Err(upper
+            .fault("the band is narrower than a millionth of a percent of its frequency")
+            .help("`abs(y, 12 Hz)` gives the magnitude at one frequency"));
     }
     Ok((low, high))
 }

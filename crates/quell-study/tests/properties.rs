@@ -209,7 +209,7 @@ fn config(cases: u32) -> ProptestConfig {
 }
 
 proptest! {
-    #![proptest_config(config(4000))]
+    #![proptest_config(config(2500))]
 
     #[test]
     fn no_mutation_of_a_study_makes_the_reader_panic(
