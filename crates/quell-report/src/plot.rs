@@ -161,7 +161,17 @@ impl Plot {
 
     fn render(&self, width: f64, height: f64, legend: bool, id: &str) -> String {
         let mut layers: Vec<Layer> = Vec::new();
-        for (series, stroke) in self.series.iter().zip(self.strokes()) {
+        let mut drawn: Vec<_> = self.series.iter().zip(self.strokes()).collect();
+        if !legend {
+            // Designs go over references, and the first of them over the others; a legend in the picture keeps their order.
+            let designs = drawn
+                .iter()
+                .position(|(series, _)| series.role == Role::Design);
+            if let Some(designs) = designs.and_then(|first| drawn.get_mut(first..)) {
+                designs.reverse();
+            }
+        }
+        for (series, stroke) in &drawn {
             for (index, piece) in self.pieces(series).into_iter().enumerate() {
                 if series.markers {
                     layers.push(
@@ -188,7 +198,7 @@ impl Plot {
                 layers.push(line.into());
             }
         }
-        for (series, stroke) in self.series.iter().zip(self.strokes()) {
+        for (series, stroke) in drawn {
             if let Some(peak) = series.peak.filter(|peak| self.visible(*peak)) {
                 layers.push(
                     ScatterPlot::new()

@@ -41,7 +41,9 @@ pub fn shown_unit<'a>(study: &'a Study, criterion: &str, si_unit: &'a str) -> (f
         .criteria
         .get(criterion)
         .and_then(|known| known.unit.as_ref())
-        .map_or((1.0, si_unit), |(unit, _)| (unit.factor, unit.text.as_str()))
+        .map_or((1.0, si_unit), |(unit, _)| {
+            (unit.factor, unit.text.as_str())
+        })
 }
 
 /// What everything is looked up in.
@@ -55,13 +57,22 @@ const HASH_DIGITS: usize = 16;
 
 fn run_facts(outcome: &RunOutcome) -> Vec<Fact> {
     let engine = &outcome.results.engine;
-    let hash: String = outcome.results.study.hash.chars().take(HASH_DIGITS).collect();
+    let hash: String = outcome
+        .results
+        .study
+        .hash
+        .chars()
+        .take(HASH_DIGITS)
+        .collect();
     vec![
         Fact::new("Study", format!("`{hash}…`")),
         Fact::new("Quell", &engine.version),
         Fact::new("Seed", engine.seed.to_string()),
         Fact::new("Threads", engine.threads.to_string()),
-        Fact::new("Time", format!("{}\u{a0}s", significant(engine.wall_seconds, 3))),
+        Fact::new(
+            "Time",
+            format!("{}\u{a0}s", significant(engine.wall_seconds, 3)),
+        ),
         Fact::new("Evaluations", grouped(engine.evaluations)),
     ]
 }

@@ -12,8 +12,8 @@ use clap::{Args, Parser, Subcommand};
     propagate_version = true,
     after_help = "\
 Begin here:
-  quell check studies/engine-mount-linear.toml   is the study sound? what will it do?
-  quell run studies/engine-mount-linear.toml     do it: a shortlist here, report.html in runs/
+  quell check studies/tuned-mass-damper.toml     is the study sound? what will it do?
+  quell run studies/tuned-mass-damper.toml       do it: a shortlist here, report.html in runs/
   quell layouts --springs 1 --dampers 1 --inerters 1
 
 Exit codes: 0 done (an infeasible design is done, and says so), 1 the study is wrong, 2 the run failed."
@@ -53,9 +53,9 @@ pub(crate) struct CheckOptions {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  quell run studies/engine-mount-linear.toml
-  quell run studies/engine-mount-linear.toml --task two --seed 7 --out runs/two-7
-  quell run studies/engine-mount-linear.toml --force      start afresh over an earlier run
+  quell run studies/tuned-mass-damper.toml
+  quell run studies/tuned-mass-damper.toml --task peak --seed 7 --out runs/peak-7
+  quell run studies/tuned-mass-damper.toml --force      start afresh over an earlier run
 
 The same study, seed and version give the same designs on any number of threads.")]
 pub(crate) struct RunOptions {
@@ -84,23 +84,47 @@ Examples:
   quell layouts --springs 1 --dampers 1 --inerters 1
   quell layouts --springs 2 --dampers 2 --inerters 2 --count
   quell layouts --springs 1 --dampers 1 --masses 1
-  quell layouts --kinds track,restriction --branches 4 --at-least track=1
+  quell layouts --kinds pipe,orifice --branches 4 --at-least pipe=1 --compound pipe
 
 `+` is series, `|` is parallel, `+` binds tighter. Each layout is listed once, up to the order inside a group.")]
 pub(crate) struct LayoutOptions {
     /// Number of springs
-    #[arg(long, short = 'k', default_value_t = 0, conflicts_with = "kinds")]
+    #[arg(
+        long,
+        short = 'k',
+        value_name = "N",
+        default_value_t = 0,
+        conflicts_with = "kinds"
+    )]
     pub(crate) springs: usize,
     /// Number of dampers
-    #[arg(long, short = 'c', default_value_t = 0, conflicts_with = "kinds")]
+    #[arg(
+        long,
+        short = 'c',
+        value_name = "N",
+        default_value_t = 0,
+        conflicts_with = "kinds"
+    )]
     pub(crate) dampers: usize,
     /// Number of inerters
-    #[arg(long, short = 'b', default_value_t = 0, conflicts_with = "kinds")]
+    #[arg(
+        long,
+        short = 'b',
+        value_name = "N",
+        default_value_t = 0,
+        conflicts_with = "kinds"
+    )]
     pub(crate) inerters: usize,
     /// Number of masses (at the far end of a device)
-    #[arg(long, short = 'm', default_value_t = 0, conflicts_with = "kinds")]
+    #[arg(
+        long,
+        short = 'm',
+        value_name = "N",
+        default_value_t = 0,
+        conflicts_with = "kinds"
+    )]
     pub(crate) masses: usize,
-    /// Kinds of branch of your own, separated by commas
+    /// Kinds of branch of your own, separated by commas, each a single element unless named in --compound
     #[arg(
         long,
         value_delimiter = ',',
@@ -114,7 +138,7 @@ pub(crate) struct LayoutOptions {
     /// At least so many branches of a kind (may be given several times)
     #[arg(long, requires = "kinds", value_name = "KIND=N")]
     pub(crate) at_least: Vec<String>,
-    /// Kinds made of several elements, which do not merge with their like side by side
+    /// Those of the kinds that are made of several elements, and so do not merge with their like side by side
     #[arg(long, requires = "kinds", value_delimiter = ',', value_name = "KIND,…")]
     pub(crate) compound: Vec<String>,
     /// List reducible layouts too: two like elements side by side in one group

@@ -2,7 +2,7 @@
 
 use std::io::{self, IsTerminal, Write};
 
-use quell_network::{Budget, Domain, Element, Enumeration, EnumerationError, Equivalence, Kinds};
+use quell_network::{Budget, Domain, Element, Enumeration, Equivalence, Kinds};
 
 use crate::arguments::LayoutOptions;
 use crate::terminal::{self, Exit};
@@ -64,17 +64,7 @@ fn enumeration(options: &LayoutOptions) -> Result<Enumeration, Exit> {
         own_kinds(options, &mut kinds)?
     };
     Enumeration::new(&kinds, &budgets, options.branches, equivalence)
-        .map_err(|error| Exit::Asked(words(&error, options)))
-}
-
-fn words(error: &EnumerationError, options: &LayoutOptions) -> String {
-    match error {
-        EnumerationError::Range { kind, at_least, .. } if options.branches.is_some() => format!(
-            "at least {at_least} branches of `{kind}` do not fit into {} branches",
-            options.branches.unwrap_or_default()
-        ),
-        other => other.to_string(),
-    }
+        .map_err(|error| Exit::Asked(error.to_string()))
 }
 
 fn elements(options: &LayoutOptions) -> Result<Vec<Budget>, Exit> {
@@ -114,15 +104,13 @@ fn own_kinds(options: &LayoutOptions, kinds: &mut Kinds) -> Result<Vec<Budget>, 
             return Ok(());
         }
         let kinds = options.kinds.iter().map(String::as_str);
-        Err(Exit::Asked(
-            match quell_expression::nearest(name, kinds) {
-                Some(near) => format!("`{name}` is not among the kinds; did you mean `{near}`?"),
-                None => format!(
-                    "`{name}` is not among the kinds `{}`",
-                    options.kinds.join("`, `")
-                ),
-            },
-        ))
+        Err(Exit::Asked(match quell_expression::nearest(name, kinds) {
+            Some(near) => format!("`{name}` is not among the kinds; did you mean `{near}`?"),
+            None => format!(
+                "`{name}` is not among the kinds `{}`",
+                options.kinds.join("`, `")
+            ),
+        }))
     };
     for name in &options.compound {
         known(name)?;
@@ -140,6 +128,14 @@ fn own_kinds(options: &LayoutOptions, kinds: &mut Kinds) -> Result<Vec<Budget>, 
             })?;
         known(name)?;
         least.push((name, number));
+    }
+    let demanded = least
+        .iter()
+        .fold(0_usize, |sum, (_, number)| sum.saturating_add(*number));
+    if let Some(branches) = options.branches.filter(|branches| demanded > *branches) {
+        return Err(Exit::Asked(format!(
+            "at least {demanded} branches are demanded, but a layout is to have {branches}"
+        )));
     }
     Ok(options
         .kinds

@@ -81,14 +81,22 @@ impl Printer<'_> {
             return;
         };
         let names: Vec<&String> = first.criteria.keys().collect();
-        let mut heading: Vec<String> = if swept { vec!["at".to_owned()] } else { Vec::new() };
+        let mut heading: Vec<String> = if swept {
+            vec!["at".to_owned()]
+        } else {
+            Vec::new()
+        };
         heading.push("configuration".to_owned());
         let texts = heading.len();
         heading.extend(names.iter().map(|name| self.headed(name, first)));
         heading.push(String::new());
         let mut table = Table::new(heading, texts);
         for (point, one) in all {
-            let mut cells: Vec<String> = if swept { vec![at(&point.at)] } else { Vec::new() };
+            let mut cells: Vec<String> = if swept {
+                vec![at(&point.at)]
+            } else {
+                Vec::new()
+            };
             cells.push(one.name.clone());
             cells.extend(names.iter().map(|name| self.value(name, one)));
             cells.push(remarks(one, &names));
@@ -139,7 +147,11 @@ impl Printer<'_> {
             cells.extend(names.iter().map(|name| self.value(name, reference)));
             cells.extend(findings.references.iter().map(|_| String::new()));
             cells.push(String::new());
-            cells.push(format!("reference {}{}", reference.name, where_of(reference, &findings.objective)));
+            cells.push(format!(
+                "reference {}{}",
+                reference.name,
+                where_of(reference, &findings.objective)
+            ));
             table.row(cells, Vec::new());
         }
         let shown = findings.designs.len().min(self.study.report.shortlist);
@@ -286,7 +298,11 @@ fn remarks(one: &Evaluated, names: &[&String]) -> String {
         let Some(detail) = one.details.get(*name) else {
             continue;
         };
-        let lead = if several { format!("{name} ") } else { String::new() };
+        let lead = if several {
+            format!("{name} ")
+        } else {
+            String::new()
+        };
         let value = one.criteria.get(*name).copied().unwrap_or(f64::NAN);
         if !value.is_finite() {
             remarks.push(format!("{lead}{}", detail.status));
@@ -321,7 +337,11 @@ fn values(one: &Evaluated, active: &[String]) -> String {
     let mut text = String::new();
     let mut before: Option<&str> = None;
     for device in &one.devices {
-        for value in device.variables.iter().filter(|value| value.bounds.is_some()) {
+        for value in device
+            .variables
+            .iter()
+            .filter(|value| value.bounds.is_some())
+        {
             let (instance, name) = match value.name.split_once('.') {
                 Some((instance, name)) => (Some(instance), name),
                 None => (None, value.name.as_str()),
@@ -350,7 +370,9 @@ fn mark(device: &str, variable: &str, active: &[String]) -> &'static str {
     let side = active.iter().find_map(|text| {
         let (name, side) = text.split_once(" = ")?;
         // Where devices share a name, the device's stands before it.
-        let inner = name.strip_prefix(device).and_then(|rest| rest.strip_prefix('.'));
+        let inner = name
+            .strip_prefix(device)
+            .and_then(|rest| rest.strip_prefix('.'));
         (name == variable || inner == Some(variable)).then_some(side)
     });
     match side {

@@ -85,7 +85,9 @@ fn ends(port: &Port, terms: &[(&String, f64)]) -> (Terminal, Terminal) {
 fn design_value(value: &NamedValue, device: &str, active: &[String]) -> DesignValue {
     let side = active.iter().find_map(|text| {
         let (name, side) = text.split_once(" = ")?;
-        let own = name.strip_prefix(device).and_then(|rest| rest.strip_prefix('.'));
+        let own = name
+            .strip_prefix(device)
+            .and_then(|rest| rest.strip_prefix('.'));
         if name != value.name && own != Some(value.name.as_str()) {
             return None;
         }

@@ -6,9 +6,7 @@ use quell_study::{Findings, NamedValue, RunOutcome, Sense};
 
 use super::Bridge;
 use crate::number::{compact, unit};
-use crate::page::{
-    BoundRow, Bounds, CriterionRow, Fact, Parameter, Problem, Quantity,
-};
+use crate::page::{BoundRow, Bounds, CriterionRow, Fact, Parameter, Problem, Quantity};
 
 impl Bridge<'_> {
     pub(super) fn problem(&self, outcome: &RunOutcome) -> Problem {
@@ -36,10 +34,7 @@ impl Bridge<'_> {
             None => Fact::new("Host", title),
         });
         for (name, run) in &self.study.runs {
-            facts.push(Fact::new(
-                format!("Run {name}"),
-                self.excitation(run),
-            ));
+            facts.push(Fact::new(format!("Run {name}"), self.excitation(run)));
         }
         for (name, device) in &self.study.devices {
             facts.push(Fact::new(
@@ -82,7 +77,10 @@ impl Bridge<'_> {
                 .standing
                 .as_ref()
                 .map_or(&[][..], |standing| standing.parameters.as_slice());
-            text.push_str(&format!(", through a piston of area `{}`", piston.expression()));
+            text.push_str(&format!(
+                ", through a piston of area `{}`",
+                piston.expression()
+            ));
             if let Ok(area) = piston.quantity(&parameters.to_vec()) {
                 text.push_str(&format!(
                     " ({} {})",
@@ -160,9 +158,8 @@ impl Bridge<'_> {
             bounds: Bounds {
                 lower: lower.value,
                 upper: upper.value,
-                logarithmic: found.map_or(upper.value >= 10.0 * lower.value, |known| {
-                    known.logarithmic
-                }),
+                logarithmic: found
+                    .map_or(upper.value >= 10.0 * lower.value, |known| known.logarithmic),
             },
             unit: found.map_or_else(|| lower.dimension.unit_text(), |known| known.unit.clone()),
         };
@@ -184,7 +181,10 @@ impl Bridge<'_> {
 
     fn constraints(&self, outcome: &RunOutcome) -> Vec<String> {
         let mut all: Vec<String> = Vec::new();
-        for constraint in self.design_tasks(outcome).flat_map(|design| &design.constraints) {
+        for constraint in self
+            .design_tasks(outcome)
+            .flat_map(|design| &design.constraints)
+        {
             let symbol = match constraint.sense {
                 Sense::Minimise => "≤",
                 Sense::Maximise => "≥",
@@ -232,7 +232,10 @@ pub(super) fn evaluated(
 
 /// A searched variable that the bounds of this name hold for: `k1` for `k`, `pipe2.d` for `pipe.d`.
 fn variable_of<'a>(outcome: &'a RunOutcome, name: &str) -> Option<&'a NamedValue> {
-    let numberless = |text: &str| text.trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
+    let numberless = |text: &str| {
+        text.trim_end_matches(|c: char| c.is_ascii_digit())
+            .to_owned()
+    };
     let covers = |variable: &str| {
         variable == name
             || match variable.split_once('.') {
@@ -251,7 +254,9 @@ fn variable_of<'a>(outcome: &'a RunOutcome, name: &str) -> Option<&'a NamedValue
                         || name
                             .strip_prefix(device.name.as_str())
                             .and_then(|rest| rest.strip_prefix('.'))
-                            .is_some_and(|own| own == variable.name || own == numberless(&variable.name)))
+                            .is_some_and(|own| {
+                                own == variable.name || own == numberless(&variable.name)
+                            }))
             })
         })
 }

@@ -22,7 +22,11 @@ const DRAWN_POINTS: usize = 6;
 
 impl Bridge<'_> {
     pub(super) fn task(&self, task: &TaskOutcome, outcome: &RunOutcome) -> TaskSection {
-        let asked = self.study.tasks.iter().find(|known| known.name == task.name);
+        let asked = self
+            .study
+            .tasks
+            .iter()
+            .find(|known| known.name == task.name);
         let design = asked.and_then(|asked| match &asked.kind {
             Asked::Design(design) => Some(design.as_ref()),
             Asked::Evaluate(_) => None,
@@ -57,7 +61,9 @@ impl Bridge<'_> {
                     format!("{points} values of `{}`", axis.parameter)
                 })
                 .collect();
-            section.words.push(format!("Swept over {}.", axes.join(" and ")));
+            section
+                .words
+                .push(format!("Swept over {}.", axes.join(" and ")));
         }
         let first = task.points.first();
         section.references = first.map_or(Vec::new(), |point| {
@@ -404,7 +410,10 @@ fn curve(series: &quell_study::Series, name: String, role: plot::Role) -> Series
 fn picture(plot: &quell_study::Plot, caption: &str, series: Vec<Series>) -> Plot {
     let marked = series.iter().any(|series| series.peak.is_some());
     Plot {
-        caption: format!("{caption}{}", if marked { "; peaks are marked." } else { "." }),
+        caption: format!(
+            "{caption}{}",
+            if marked { "; peaks are marked." } else { "." }
+        ),
         x: Axis {
             label: "Frequency".to_owned(),
             unit: "Hz".to_owned(),
@@ -443,10 +452,7 @@ fn swept_plots(task: &TaskOutcome) -> Vec<Plot> {
     let count = task.points.len();
     let shown = count.min(DRAWN_POINTS);
     let chosen: Vec<&PointOutcome> = (0..shown)
-        .filter_map(|index| {
-            task.points
-                .get(index * (count - 1) / (shown - 1).max(1))
-        })
+        .filter_map(|index| task.points.get(index * (count - 1) / (shown - 1).max(1)))
         .collect();
     first
         .plots
@@ -460,11 +466,18 @@ fn swept_plots(task: &TaskOutcome) -> Vec<Plot> {
                     let best = own
                         .clone()
                         .find(|series| matches!(series.role, Role::Design(1)))
-                        .or_else(|| own.clone().find(|series| series.role == Role::Configuration))?;
+                        .or_else(|| {
+                            own.clone()
+                                .find(|series| series.role == Role::Configuration)
+                        })?;
                     Some(curve(best, at_words(&point.at), plot::Role::Design))
                 })
                 .collect();
-            picture(plot, "Response of the best design at points of the sweep", series)
+            picture(
+                plot,
+                "Response of the best design at points of the sweep",
+                series,
+            )
         })
         .collect()
 }

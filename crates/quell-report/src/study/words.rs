@@ -41,11 +41,9 @@ impl Bridge<'_> {
                     None => format!("`{input}`"),
                 };
                 match band {
-                    Some((low, high)) => text.push_str(&format!(
-                        ", {} to {}",
-                        low.expression(),
-                        high.expression()
-                    )),
+                    Some((low, high)) => {
+                        text.push_str(&format!(", {} to {}", low.expression(), high.expression()))
+                    }
                     None => text.push_str(", all frequencies"),
                 }
                 if let Some(spectrum) = spectrum {
@@ -105,7 +103,11 @@ fn taken(part: &Expression, run: &Run) -> Option<(String, String)> {
         (Run::Frequency { .. }, "variance", _) => format!("variance of `{first}`"),
         (Run::Modes { .. }, "min" | "max", Node::Name(name)) => format!(
             "{} {} of the modes",
-            if function == "min" { "smallest" } else { "greatest" },
+            if function == "min" {
+                "smallest"
+            } else {
+                "greatest"
+            },
             name.replace('_', " ")
         ),
         _ => return None,

@@ -9,7 +9,10 @@ fn every_study_of_the_repository_is_sound() {
     let mut checked = 0;
     for entry in fs::read_dir(root().join("studies")).unwrap() {
         let path = entry.unwrap().path();
-        if path.extension().is_some_and(|extension| extension == "toml") {
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "toml")
+        {
             let assert = quell().arg("check").arg(&path).assert().code(0);
             let text = output(&assert);
             assert_plain(&text);

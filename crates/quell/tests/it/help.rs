@@ -40,7 +40,15 @@ fn mistakes_in_what_is_typed_exit_with_one() {
         &["run"],
         &["run", "x.toml", "--seed", "three"],
         &["run", "x.toml", "--threads", "0"],
-        &["layouts", "--springs", "1", "--kinds", "a", "--branches", "2"],
+        &[
+            "layouts",
+            "--springs",
+            "1",
+            "--kinds",
+            "a",
+            "--branches",
+            "2",
+        ],
         &["layouts", "--kinds", "a"],
     ] {
         let assert = quell().args(arguments).assert().code(1);

@@ -228,7 +228,10 @@ fn an_earlier_run_is_not_overwritten_unasked() {
     let forced = [&task[..], &["--force", "--seed", "3", "--threads", "1"]].concat();
     run(folder.path(), &forced).code(0);
     let engine = results(&folder.path().join("kept"))["engine"].clone();
-    assert_eq!((&engine["seed"], &engine["threads"]), (&3.into(), &1.into()));
+    assert_eq!(
+        (&engine["seed"], &engine["threads"]),
+        (&3.into(), &1.into())
+    );
 }
 
 #[test]
@@ -248,7 +251,11 @@ fn a_wrong_study_exits_with_one_and_leaves_nothing() {
     insta::assert_snapshot!(errors(&assert));
     assert!(!folder.path().join("runs/tiny").exists());
 
-    fs::write(folder.path().join("host.toml"), HOST.replace("10 kg", "10 N")).unwrap();
+    fs::write(
+        folder.path().join("host.toml"),
+        HOST.replace("10 kg", "10 N"),
+    )
+    .unwrap();
     let assert = run(folder.path(), &["tiny.toml", "--out", "out"]).code(1);
     assert!(errors(&assert).contains("host.toml"), "{}", errors(&assert));
     assert!(!folder.path().join("out").exists());
