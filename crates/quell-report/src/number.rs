@@ -55,7 +55,13 @@ pub fn compact(value: f64, digits: usize) -> String {
 /// Writes a relative change in per cent with one decimal, and a true minus sign.
 pub fn percent(value: f64) -> String {
     if value.is_finite() {
-        format!("{value:.1} %").replace('-', "−")
+        let text = format!("{value:.1} %");
+        // What rounds to nothing has no sign.
+        if text == "-0.0 %" {
+            "0.0 %".to_owned()
+        } else {
+            text.replace('-', "−")
+        }
     } else {
         "–".to_owned()
     }
@@ -143,6 +149,7 @@ mod tests {
     #[test]
     fn percentages_have_one_decimal() {
         assert_eq!(percent(-3.25), "−3.2 %");
+        assert_eq!(percent(-0.01), "0.0 %");
         assert_eq!(percent(f64::NAN), "–");
     }
 }
