@@ -304,20 +304,16 @@ fn reference_candidate<'a>(
                 "`{name}` is neither a configuration nor a layout: {}",
                 error.message
             ));
-            Err(
-                match quell_expression::nearest(name, names.iter().map(|name| name.as_str())) {
-                    Some(near) => fault.help(format!("did you mean `{near}`?")),
-                    None => {
-                        let all: Vec<String> =
-                            names.iter().map(|name| format!("`{name}`")).collect();
-                        let mut help = error.help.unwrap_or_default();
-                        if !all.is_empty() {
-                            help = format!("configurations are {}. {help}", all.join(", "));
-                        }
-                        fault.help(help.trim().to_owned())
-                    }
-                },
-            )
+            let near = quell_expression::nearest(name, names.iter().map(|name| name.as_str()));
+            if let Some(near) = near {
+                return Err(fault.help(format!("did you mean `{near}`?")));
+            }
+            let all: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+            let mut help = error.help.unwrap_or_default();
+            if !all.is_empty() {
+                help = format!("configurations are {}. {help}", all.join(", "));
+            }
+            Err(fault.help(help.trim().to_owned()))
         }
     }
 }

@@ -1,5 +1,7 @@
 //! What the fuzz targets do by hand, in a small way on every run: no text makes the reader of studies or layouts panic.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Duration;

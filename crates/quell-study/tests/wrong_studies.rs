@@ -2,6 +2,8 @@
 //!
 //! A new file needs no line here; `cargo insta review` shows what an engineer would read.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
