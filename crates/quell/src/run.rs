@@ -1,5 +1,7 @@
 //! `quell run`: the shortlist on the terminal, `results.json` and `report.html` in a folder.
 
+use std::fmt::Write as _;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -45,7 +47,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
     write(&folder.join("results.json"), &format!("{results}\n"))?;
 
     let mut text = shortlist::text(&study, &outcome);
-    text.push_str(&format!("Report: {}\n", report.display()));
+    let _ = write!(text, "Report: {}\n", report.display());
     terminal::print(&text)
 }
 

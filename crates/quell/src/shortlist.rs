@@ -55,7 +55,7 @@ impl Printer<'_> {
                 self.evaluated(text, points, swept);
             }
             Some(Findings::Design(findings)) => {
-                self.heading(text, name, findings, points, swept);
+                heading(text, name, findings, points, swept);
                 if swept {
                     self.best_of_points(text, points, findings);
                 } else {
@@ -103,35 +103,6 @@ impl Printer<'_> {
             table.row(cells, Vec::new());
         }
         text.push_str(&table.text(2, WIDTH));
-    }
-
-    fn heading(
-        &self,
-        text: &mut String,
-        name: &str,
-        findings: &DesignFindings,
-        points: &[PointOutcome],
-        swept: bool,
-    ) {
-        let word = match findings.sense {
-            Sense::Minimise => "smallest",
-            Sense::Maximise => "largest",
-        };
-        // How layouts were told apart is in the report; here the number is enough.
-        let candidates = findings
-            .candidates
-            .split_once(',')
-            .map_or(findings.candidates.as_str(), |(count, _)| count);
-        let mut line = format!("{name}: {word} {} of {candidates}", findings.objective);
-        if !findings.constraints.is_empty() {
-            let _ = write!(line, ", subject to {}", findings.constraints.join(", "));
-        }
-        if swept {
-            let _ = write!(line, ", at {} points", points.len());
-        }
-        for broken in wrap(&line, WIDTH) {
-            let _ = writeln!(text, "{broken}");
-        }
     }
 
     /// The shortlist of one task.
@@ -260,6 +231,35 @@ impl Printer<'_> {
     fn value(&self, name: &str, one: &Evaluated) -> String {
         let value = one.criteria.get(name).copied().unwrap_or(f64::NAN);
         significant(value / shown_unit(self.study, name, "").0, DIGITS)
+    }
+}
+
+/// What is asked of a design task, in a line.
+fn heading(
+    text: &mut String,
+    name: &str,
+    findings: &DesignFindings,
+    points: &[PointOutcome],
+    swept: bool,
+) {
+    let word = match findings.sense {
+        Sense::Minimise => "smallest",
+        Sense::Maximise => "largest",
+    };
+    // How layouts were told apart is in the report; here the number is enough.
+    let candidates = findings
+        .candidates
+        .split_once(',')
+        .map_or(findings.candidates.as_str(), |(count, _)| count);
+    let mut line = format!("{name}: {word} {} of {candidates}", findings.objective);
+    if !findings.constraints.is_empty() {
+        let _ = write!(line, ", subject to {}", findings.constraints.join(", "));
+    }
+    if swept {
+        let _ = write!(line, ", at {} points", points.len());
+    }
+    for broken in wrap(&line, WIDTH) {
+        let _ = writeln!(text, "{broken}");
     }
 }
 

@@ -1,5 +1,7 @@
 //! The problem in words: host, excitation, devices, criteria, bounds.
 
+use std::fmt::Write as _;
+
 use quell_network::Domain;
 use quell_study::study::{self, DesignTask, TaskKind};
 use quell_study::{Findings, NamedValue, RunOutcome, Sense};
@@ -65,28 +67,30 @@ impl Bridge<'_> {
         };
         let mut text = format!("on port `{}`{domain}", device.port);
         if let Some(layout) = &device.layout {
-            text.push_str(&format!(", `{layout}`"));
+            let _ = write!(text, ", `{layout}`");
         }
         match device.slots.as_slice() {
             [] => {}
-            [only] => text.push_str(&format!(" with any layout as `{only}`")),
-            several => text.push_str(&format!(" with any layouts as `{}`", several.join("`, `"))),
+            [only] => {
+                let _ = write!(text, " with any layout as `{only}`");
+            }
+            several => {
+                let _ = write!(text, " with any layouts as `{}`", several.join("`, `"));
+            }
         }
         if let Some(piston) = &device.piston {
             let parameters = self
                 .standing
                 .as_ref()
                 .map_or(&[][..], |standing| standing.parameters.as_slice());
-            text.push_str(&format!(
-                ", through a piston of area `{}`",
-                piston.expression()
-            ));
+            let _ = write!(text, ", through a piston of area `{}`", piston.expression());
             if let Ok(area) = piston.quantity(&parameters.to_vec()) {
-                text.push_str(&format!(
+                let _ = write!(
+                    text,
                     " ({} {})",
                     compact(area.value, 5),
                     unit(&area.dimension.unit_text())
-                ));
+                );
             }
         }
         text

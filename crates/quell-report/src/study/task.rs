@@ -1,5 +1,7 @@
 //! The section of one task.
 
+use std::fmt::Write as _;
+
 use quell_study::study::{DesignTask, SweepValues, TaskKind as Asked};
 use quell_study::{
     Design, DesignFindings, Evaluated, Findings, NamedValue, PointOutcome, Role, RunOutcome, Sense,
@@ -158,12 +160,13 @@ impl Bridge<'_> {
                 Some(_) => "1 layout",
                 None => findings.candidates.as_str(),
             };
-            sentence.push_str(&format!(" of {candidates}"));
+            let _ = write!(sentence, " of {candidates}");
             if !findings.constraints.is_empty() {
-                sentence.push_str(&format!(
+                let _ = write!(
+                    sentence,
                     "; subject to `{}`",
                     findings.constraints.join("`, `")
-                ));
+                );
             }
         }
         sentence.push('.');

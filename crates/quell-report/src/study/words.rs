@@ -1,5 +1,7 @@
 //! Criteria and runs in words.
 
+use std::fmt::Write as _;
+
 use quell_expression::{Expression, Node};
 use quell_model::InputKind;
 use quell_study::study::{Criterion, Run};
@@ -42,12 +44,12 @@ impl Bridge<'_> {
                 };
                 match band {
                     Some((low, high)) => {
-                        text.push_str(&format!(", {} to {}", low.expression(), high.expression()))
+                        let _ = write!(text, ", {} to {}", low.expression(), high.expression());
                     }
                     None => text.push_str(", all frequencies"),
                 }
                 if let Some(spectrum) = spectrum {
-                    text.push_str(&format!(", spectrum `{}` per Hz", spectrum.expression()));
+                    let _ = write!(text, ", spectrum `{}` per Hz", spectrum.expression());
                 }
                 text
             }

@@ -1,5 +1,7 @@
 //! `quell layouts`.
 
+use std::fmt::Write as _;
+
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
@@ -152,7 +154,7 @@ fn what_cannot_be_listed_is_said_in_words() {
     ] {
         let assert = quell().args(arguments).assert().code(1);
         assert_eq!(output(&assert), "", "{arguments:?}");
-        said.push_str(&format!("{}\n  {}", arguments.join(" "), errors(&assert)));
+        let _ = write!(said, "{}\n  {}", arguments.join(" "), errors(&assert));
     }
     insta::assert_snapshot!(said);
 }

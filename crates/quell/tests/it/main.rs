@@ -1,5 +1,10 @@
 //! The program as a person or a script meets it: what it prints, writes and answers.
 
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test whose files cannot be read has failed"
+)]
+
 mod check;
 mod help;
 mod layouts;
