@@ -47,7 +47,8 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
     write(&folder.join("results.json"), &format!("{results}\n"))?;
 
     let mut text = shortlist::text(&study, &outcome);
-    let _ = write!(text, "Report: {}\n", report.display());
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "Report: {}", report.display());
     terminal::print(&text)
 }
 

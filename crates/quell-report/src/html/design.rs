@@ -95,7 +95,7 @@ pub(super) fn values_table(devices: &[Device]) -> Markup {
                     "Fixed: "
                     @for (index, value) in fixed.iter().enumerate() {
                         @if index > 0 { " · " }
-                        (pair(value, compact(value.value.value, SIGNIFICANT_DIGITS)))
+                        (pair(value, &compact(value.value.value, SIGNIFICANT_DIGITS)))
                     }
                 }
             }
@@ -110,7 +110,7 @@ fn any_searched(devices: &[Device]) -> bool {
 }
 
 /// Name, number and unit of a value, held together.
-fn pair(value: &DesignValue, number: String) -> Markup {
+fn pair(value: &DesignValue, number: &str) -> Markup {
     html! {
         span.pair {
             span.name { (value.name) } "\u{a0}"
@@ -151,7 +151,7 @@ pub(super) fn values_line(devices: &[Device]) -> Markup {
     html! {
         @for device in devices { div.values-line {
             @for value in device.values.iter().filter(|value| !searched || value.bounds.is_some()) {
-                (pair(value, significant(value.value.value, SIGNIFICANT_DIGITS)))
+                (pair(value, &significant(value.value.value, SIGNIFICANT_DIGITS)))
             }
         } }
     }

@@ -42,7 +42,7 @@ impl Bridge<'_> {
             } else {
                 TaskKind::Evaluate
             },
-            words: self.words(task, design),
+            words: words(task, design),
             status: outcome
                 .results
                 .tasks
@@ -139,47 +139,6 @@ impl Bridge<'_> {
             .collect();
         columns.sort_by_key(|(place, _)| *place);
         columns.into_iter().map(|(_, column)| column).collect()
-    }
-
-    fn words(&self, task: &TaskOutcome, design: Option<&DesignTask>) -> Vec<String> {
-        let Some(design) = design else {
-            return Vec::new();
-        };
-        let findings = task.points.first().and_then(|point| match &point.findings {
-            Findings::Design(findings) => Some(findings.as_ref()),
-            Findings::Evaluate(_) => None,
-        });
-        let verb = match design.sense {
-            Sense::Minimise => "Smallest",
-            Sense::Maximise => "Largest",
-        };
-        let mut sentence = format!("{verb} `{}`", design.objective);
-        if let Some(findings) = findings {
-            // Of one layout there is nothing to tell apart.
-            let candidates = match findings.candidates.strip_prefix("1 layout,") {
-                Some(_) => "1 layout",
-                None => findings.candidates.as_str(),
-            };
-            let _ = write!(sentence, " of {candidates}");
-            if !findings.constraints.is_empty() {
-                let _ = write!(
-                    sentence,
-                    "; subject to `{}`",
-                    findings.constraints.join("`, `")
-                );
-            }
-        }
-        sentence.push('.');
-        let mut words = vec![sentence];
-        if !design.fixed.is_empty() {
-            let fixed: Vec<String> = design
-                .fixed
-                .iter()
-                .map(|(name, amount)| format!("`{name} = {}`", amount.expression()))
-                .collect();
-            words.push(format!("Not designed: {}.", fixed.join(", ")));
-        }
-        words
     }
 
     fn references(
@@ -324,6 +283,48 @@ impl Bridge<'_> {
             excess > design.feasibility * bound.value.abs()
         })
     }
+}
+
+/// The task in words.
+fn words(task: &TaskOutcome, design: Option<&DesignTask>) -> Vec<String> {
+    let Some(design) = design else {
+        return Vec::new();
+    };
+    let findings = task.points.first().and_then(|point| match &point.findings {
+        Findings::Design(findings) => Some(findings.as_ref()),
+        Findings::Evaluate(_) => None,
+    });
+    let verb = match design.sense {
+        Sense::Minimise => "Smallest",
+        Sense::Maximise => "Largest",
+    };
+    let mut sentence = format!("{verb} `{}`", design.objective);
+    if let Some(findings) = findings {
+        // Of one layout there is nothing to tell apart.
+        let candidates = match findings.candidates.strip_prefix("1 layout,") {
+            Some(_) => "1 layout",
+            None => findings.candidates.as_str(),
+        };
+        let _ = write!(sentence, " of {candidates}");
+        if !findings.constraints.is_empty() {
+            let _ = write!(
+                sentence,
+                "; subject to `{}`",
+                findings.constraints.join("`, `")
+            );
+        }
+    }
+    sentence.push('.');
+    let mut words = vec![sentence];
+    if !design.fixed.is_empty() {
+        let fixed: Vec<String> = design
+            .fixed
+            .iter()
+            .map(|(name, amount)| format!("`{name} = {}`", amount.expression()))
+            .collect();
+        words.push(format!("Not designed: {}.", fixed.join(", ")));
+    }
+    words
 }
 
 fn parameter(value: &NamedValue) -> Parameter {
