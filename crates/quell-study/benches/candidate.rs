@@ -4,6 +4,12 @@
 //!
 //! `candidate_numpy.py` beside this file times the same evaluation in NumPy, for the ratio.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a benchmark without its study ends by panic"
+)]
+
 use std::path::Path;
 
 use divan::counter::ItemsCount;
@@ -27,8 +33,7 @@ fn problem(layout: &str) -> DesignProblem {
         .iter()
         .flat_map(|task| quell_study::problems(&study, task).unwrap())
         .find(|(label, _)| label == layout)
-        .map(|(_, problem)| problem)
-        .unwrap_or_else(|| panic!("no candidate {layout}"))
+        .map_or_else(|| panic!("no candidate {layout}"), |(_, problem)| problem)
 }
 
 /// Points spread over the box by a fixed irrational stride: no two alike, the same in every run.

@@ -25,12 +25,12 @@ impl<'a> Candidates<'a> {
     }
 
     /// How many there are, layouts that end wrongly in a mass included.
-    pub(crate) fn count(&self) -> u128 {
+    pub(crate) fn count(self) -> u128 {
         count(&self.design.candidates)
     }
 
     /// How many, and up to which equivalence each is listed once.
-    pub(crate) fn words(&self) -> String {
+    pub(crate) fn words(self) -> String {
         let count = self.count();
         let listed = self.design.candidates.values().find_map(|set| match set {
             CandidateSet::Layouts(_) => None,
@@ -47,7 +47,7 @@ impl<'a> Candidates<'a> {
     }
 
     /// One after the other, the last slot running fastest; nothing is held in memory.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = Candidate> + use<'a> {
+    pub(crate) fn iter(self) -> impl Iterator<Item = Candidate> + use<'a> {
         let sets: Vec<(&'a Slot, &'a CandidateSet)> = self.design.candidates.iter().collect();
         combinations(sets)
     }

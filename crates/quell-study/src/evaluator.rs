@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use num_complex::Complex64;
 use quell_document::Fault;
 use quell_expression::{
     Dimension, Expression, ExpressionError, Quantity, Scope, Tape, TapeBuilder,
@@ -94,6 +95,16 @@ pub(crate) struct Certified {
 
 /// Frequencies (rad/s) at which a certificate found more than the search's grid did, by reading.
 pub(crate) type Missed = Vec<(usize, f64)>;
+
+/// A response that can be drawn.
+pub(crate) struct Drawable<'a> {
+    /// The host's input.
+    pub input: usize,
+    /// What is looked at.
+    pub form: &'a LinearForm,
+    /// Over which angular frequencies, rad/s.
+    pub band: Option<(f64, f64)>,
+}
 
 struct Context<'a> {
     situation: &'a Situation,
@@ -299,7 +310,7 @@ impl Evaluator {
             },
             Functional::Magnitude(form, omega) => assembly
                 .direct_response(values, reading.input, form, *omega)
-                .map_or(f64::NAN, |response| response.norm()),
+                .map_or(f64::NAN, Complex64::norm),
             Functional::Norm(form, norm) => {
                 let squared = if reading.band.is_none() && reading.spectrum.is_none() {
                     h2_fast(assembly, values, reading.input, form).unwrap_or(f64::NAN)
@@ -443,7 +454,7 @@ impl Evaluator {
                         achieved_tolerance: known
                             .iter()
                             .map(|known| known.tolerance)
-                            .fold(Some(0.0), |worst: Option<f64>, one| Some(worst?.max(one?))),
+                            .try_fold(0.0, |worst: f64, one| Some(worst.max(one?))),
                         status: worst
                             .map_or_else(|| "certified".to_owned(), |known| known.status.clone()),
                     },
@@ -559,18 +570,19 @@ impl Evaluator {
         reading.map_or(Dimension::NONE, |reading| reading.response)
     }
 
-    /// The peak functional that a criterion reads, if it reads one: input, form and band, for plots.
-    pub(crate) fn drawable(
-        &self,
-        criterion: usize,
-    ) -> Option<(usize, &LinearForm, Option<(f64, f64)>)> {
+    /// The first response that a criterion reads, if it reads one, for plots.
+    pub(crate) fn drawable(&self, criterion: usize) -> Option<Drawable<'_>> {
         let program = self.programs.get(criterion)?;
         program.readings.iter().find_map(|index| {
             let reading = self.readings.get(*index)?;
             match &reading.functional {
                 Functional::Peak(form)
                 | Functional::Norm(form, _)
-                | Functional::Magnitude(form, _) => Some((reading.input, form, reading.band)),
+                | Functional::Magnitude(form, _) => Some(Drawable {
+                    input: reading.input,
+                    form,
+                    band: reading.band,
+                }),
                 Functional::Modes(..) => None,
             }
         })
@@ -666,30 +678,24 @@ pub(crate) fn prepare(study: &Study, situation: &Situation, run: &Run) -> Result
             oscillatory: *oscillatory,
             kind: RunKind::Modes,
         }),
-        Run::Frequency {
-            input,
-            input_span,
-            band,
-            spectrum,
-            ..
-        } => {
+        Run::Frequency(run) => {
             let index = situation
                 .host
                 .inputs
                 .iter()
-                .position(|known| known.name == *input)
+                .position(|known| known.name == run.input)
                 .ok_or_else(|| {
                     Fault::at(
                         &study.source,
-                        *input_span,
-                        format!("there is no input `{input}`"),
+                        run.input_span,
+                        format!("there is no input `{}`", run.input),
                     )
                 })?;
-            let band = match band {
+            let band = match &run.band {
                 Some((lower, upper)) => Some(band_of(situation, lower, upper)?),
                 None => None,
             };
-            let spectrum = match spectrum {
+            let spectrum = match &run.spectrum {
                 Some(amount) => Some(spectrum_of(situation, amount, index)?),
                 None => None,
             };

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use quell_model::LinearForm;
 use quell_response::{Assembly, certify};
 
-use crate::evaluator::{Evaluator, EvaluatorScratch};
+use crate::evaluator::{Drawable, Evaluator, EvaluatorScratch};
 use crate::outcome::{Plot, Role, Series};
 use crate::study::Study;
 
@@ -49,7 +49,7 @@ impl Curves {
             if self.only.as_deref().is_some_and(|only| only != *criterion) {
                 continue;
             }
-            let Some((input, form, band)) = evaluator.drawable(index) else {
+            let Some(Drawable { input, form, band }) = evaluator.drawable(index) else {
                 continue;
             };
             let title = quantity(study, criterion);
@@ -135,8 +135,8 @@ fn quantity(study: &Study, criterion: &str) -> String {
         }
     });
     match (signal, study.runs.get(&known.run)) {
-        (Some(signal), Some(crate::study::Run::Frequency { input, .. })) => {
-            format!("|{signal} / {input}|")
+        (Some(signal), Some(crate::study::Run::Frequency(run))) => {
+            format!("|{signal} / {}|", run.input)
         }
         _ => known.value.to_string(),
     }

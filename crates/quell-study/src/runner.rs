@@ -1,6 +1,7 @@
 //! Running a study: from its tasks to ranked shortlists.
 
 use std::cmp::Ordering;
+use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering as Memory};
 use std::time::Instant;
@@ -22,7 +23,8 @@ use crate::plots;
 use crate::problem::{DesignProblem, Goal};
 use crate::situation::{self, Situation};
 use crate::study::{
-    ConfigurationSpec, Constraint, DesignTask, Sense, Study, SweepAxis, SweepValues, Task, TaskKind,
+    ConfigurationSpec, Constraint, DesignTask, Sense, Study, SweepAxis, SweepRange, SweepValues,
+    Task, TaskKind,
 };
 use crate::unread;
 
@@ -195,7 +197,7 @@ pub fn check(study: &Study) -> Result<Summary, Fault> {
             };
         }
         if points.len() > 1 {
-            line.push_str(&format!(", at {} points of the sweep", points.len()));
+            let _ = write!(line, ", at {} points of the sweep", points.len());
         }
         lines.push(format!("task {}: {line}", task.name));
     }
@@ -363,12 +365,13 @@ fn axis_values(
             .iter()
             .map(|amount| amount.value(&standing.parameters, dimension))
             .collect::<Result<Vec<f64>, Fault>>()?,
-        SweepValues::Range {
-            from,
-            to,
-            points,
-            scale,
-        } => {
+        SweepValues::Range(range) => {
+            let SweepRange {
+                from,
+                to,
+                points,
+                scale,
+            } = range.as_ref();
             let first = from.value(&standing.parameters, dimension)?;
             let last = to.value(&standing.parameters, dimension)?;
             if *scale == Scale::Logarithmic && (first <= 0.0 || last <= 0.0) {

@@ -111,23 +111,27 @@ pub struct Device {
 #[derive(Debug, Clone)]
 pub enum Run {
     /// Response to a harmonic input over frequency.
-    Frequency {
-        /// Name of the host's input.
-        input: String,
-        /// Where that name stands.
-        input_span: Span,
-        /// Lower and upper frequency; left out: all frequencies (norms only).
-        band: Option<(Amount, Amount)>,
-        /// One-sided spectrum of the input per Hz: an expression of `f` and parameters.
-        spectrum: Option<Amount>,
-        /// Where the run is declared.
-        span: Span,
-    },
+    Frequency(Box<FrequencyRun>),
     /// Free modes.
     Modes {
         /// Only oscillatory modes count.
         oscillatory: bool,
     },
+}
+
+/// The response to a harmonic input over frequency.
+#[derive(Debug, Clone)]
+pub struct FrequencyRun {
+    /// Name of the host's input.
+    pub input: String,
+    /// Where that name stands.
+    pub input_span: Span,
+    /// Lower and upper frequency; left out: all frequencies (norms only).
+    pub band: Option<(Amount, Amount)>,
+    /// One-sided spectrum of the input per Hz: an expression of `f` and parameters.
+    pub spectrum: Option<Amount>,
+    /// Where the run is declared.
+    pub span: Span,
 }
 
 /// One number taken from a run.
@@ -261,18 +265,32 @@ pub struct SweepAxis {
 #[derive(Debug, Clone)]
 pub enum SweepValues {
     /// From, to, number of points.
-    Range {
-        /// First value.
-        from: Amount,
-        /// Last value.
-        to: Amount,
-        /// Number of points, at least 2.
-        points: usize,
-        /// Spacing.
-        scale: Scale,
-    },
+    Range(Box<SweepRange>),
     /// One by one.
     List(Vec<Amount>),
+}
+
+impl SweepValues {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Range(range) => range.points,
+            Self::List(values) => values.len(),
+        }
+    }
+}
+
+/// Values from an end to another.
+#[derive(Debug, Clone)]
+pub struct SweepRange {
+    /// First value.
+    pub from: Amount,
+    /// Last value.
+    pub to: Amount,
+    /// Number of points, at least 2.
+    pub points: usize,
+    /// Spacing.
+    pub scale: Scale,
 }
 
 /// What the report shows beyond its defaults.

@@ -1,5 +1,11 @@
 //! The studies of the gallery against figures that are known otherwise.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a failed test ends by panic"
+)]
+
 use std::path::{Path, PathBuf};
 
 use quell_study::results::{DesignResult, Results, TaskBody, TaskFindings};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use quell_study::study::{DesignTask, SweepValues, TaskKind as Asked};
+use quell_study::study::{DesignTask, TaskKind as Asked};
 use quell_study::{
     Design, DesignFindings, Evaluated, Findings, NamedValue, PointOutcome, Role, RunOutcome, Sense,
     TaskOutcome,
@@ -56,10 +56,7 @@ impl Bridge<'_> {
             let axes: Vec<String> = sweep
                 .iter()
                 .map(|axis| {
-                    let points = match &axis.values {
-                        SweepValues::Range { points, .. } => *points,
-                        SweepValues::List(values) => values.len(),
-                    };
+                    let points = axis.values.count();
                     format!("{points} values of `{}`", axis.parameter)
                 })
                 .collect();

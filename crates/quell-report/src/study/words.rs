@@ -32,23 +32,19 @@ impl Bridge<'_> {
     /// What excites the host in a run, and over which band.
     pub(super) fn excitation(&self, run: &Run) -> String {
         match run {
-            Run::Frequency {
-                input,
-                band,
-                spectrum,
-                ..
-            } => {
+            Run::Frequency(run) => {
+                let input = &run.input;
                 let mut text = match self.input_kind(input) {
                     Some(kind) => format!("{kind} `{input}`"),
                     None => format!("`{input}`"),
                 };
-                match band {
+                match &run.band {
                     Some((low, high)) => {
                         let _ = write!(text, ", {} to {}", low.expression(), high.expression());
                     }
                     None => text.push_str(", all frequencies"),
                 }
-                if let Some(spectrum) = spectrum {
+                if let Some(spectrum) = &run.spectrum {
                     let _ = write!(text, ", spectrum `{}` per Hz", spectrum.expression());
                 }
                 text
@@ -83,7 +79,7 @@ fn taken(part: &Expression, run: &Run) -> Option<(String, String)> {
     let first = arguments.first()?;
     let words = match (run, function.as_str(), &first.node) {
         (
-            Run::Frequency { input, .. },
+            Run::Frequency(run),
             "max",
             Node::Call {
                 function,
@@ -91,18 +87,20 @@ fn taken(part: &Expression, run: &Run) -> Option<(String, String)> {
                 ..
             },
         ) if function == "abs" => format!(
-            "greatest magnitude of `{}` over `{input}` in the band",
-            arguments.first()?
+            "greatest magnitude of `{}` over `{}` in the band",
+            arguments.first()?,
+            run.input
         ),
-        (Run::Frequency { input, .. }, "abs", _) => format!(
-            "magnitude of `{first}` over `{input}` at {}",
+        (Run::Frequency(run), "abs", _) => format!(
+            "magnitude of `{first}` over `{}` at {}",
+            run.input,
             arguments.get(1)?
         ),
-        (Run::Frequency { input, .. }, "h2", _) => {
-            format!("H2 norm of `{first}` over `{input}`")
+        (Run::Frequency(run), "h2", _) => {
+            format!("H2 norm of `{first}` over `{}`", run.input)
         }
-        (Run::Frequency { .. }, "rms", _) => format!("root mean square of `{first}`"),
-        (Run::Frequency { .. }, "variance", _) => format!("variance of `{first}`"),
+        (Run::Frequency(_), "rms", _) => format!("root mean square of `{first}`"),
+        (Run::Frequency(_), "variance", _) => format!("variance of `{first}`"),
         (Run::Modes { .. }, "min" | "max", Node::Name(name)) => format!(
             "{} {} of the modes",
             if function == "min" {

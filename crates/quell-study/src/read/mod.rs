@@ -14,7 +14,7 @@ use quell_model::{HostFile, LinearHost};
 use crate::amount::Amount;
 use crate::criteria::Modal;
 use crate::keys;
-use crate::study::{Criterion, ReportWishes, Run, Study};
+use crate::study::{Criterion, FrequencyRun, ReportWishes, Run, Study};
 
 /// The version of study files that this Quell writes and reads.
 pub const FILE_VERSION: i64 = 1;
@@ -321,7 +321,7 @@ fn runs(
                 .get("band")
                 .map(|band| read_band(&band, source))
                 .transpose()?;
-            Run::Frequency {
+            Run::Frequency(Box::new(FrequencyRun {
                 input: host
                     .inputs
                     .get(index)
@@ -333,7 +333,7 @@ fn runs(
                     .map(|value| Amount::read(&value, source))
                     .transpose()?,
                 span,
-            }
+            }))
         };
         runs.insert(name.to_owned(), run);
     }

@@ -14,7 +14,7 @@ use crate::built::domain_of;
 use crate::keys;
 use crate::study::{
     Bounds, CandidateSet, ConfigurationSpec, Constraint, DesignTask, Sense, Slot, Study, SweepAxis,
-    SweepValues, Task, TaskKind,
+    SweepRange, SweepValues, Task, TaskKind,
 };
 
 /// A search gives up on nothing, but a list of more layouts than this would not end within a working day.
@@ -729,10 +729,7 @@ fn sweep(table: &Table<'_>, study: &Study) -> Result<Vec<SweepAxis>, Fault> {
     }
     let points = axes
         .iter()
-        .map(|axis| match &axis.values {
-            SweepValues::Range { points, .. } => *points,
-            SweepValues::List(values) => values.len(),
-        })
+        .map(|axis| axis.values.count())
         .fold(1, usize::saturating_mul);
     if points > MOST_POINTS {
         return Err(value
@@ -803,10 +800,10 @@ fn sweep_values(value: &Value<'_>, source: &Arc<Source>) -> Result<SweepValues, 
         Some("log") => Scale::Logarithmic,
         _ => Scale::Linear,
     };
-    Ok(SweepValues::Range {
+    Ok(SweepValues::Range(Box::new(SweepRange {
         from: Amount::read(&table.require("from")?, source)?,
         to: Amount::read(&table.require("to")?, source)?,
         points,
         scale,
-    })
+    })))
 }
