@@ -168,12 +168,12 @@ pub fn expand(
             Kind::Component(name) => {
                 find(name).and_then(|index| Some((index, components.get(index)?)))
             }
-            Kind::Element(_) | Kind::Placeholder => None,
+            Kind::Element(_) | Kind::Custom(_) | Kind::Placeholder => None,
         };
         let Some((index, component)) = found else {
             let dimension = match branch.kind {
                 Kind::Element(kind) => layout.domain().dimension(kind),
-                Kind::Component(_) | Kind::Placeholder => Dimension::NONE,
+                Kind::Custom(_) | Kind::Component(_) | Kind::Placeholder => Dimension::NONE,
             };
             let (name, branch) = (branch.name.clone(), branch.name.clone());
             expansion.variables.push(Variable {

@@ -54,7 +54,8 @@ pub struct Budget {
     /// At most this many; none for as many as there are branches.
     pub at_most: Option<usize>,
     /// Whether a branch is one element, so that two of them side by side in one group merge. Elements always are; a
-    /// component of several elements is not, because its values are tied by shared variables and bounds.
+    /// component of several elements is not, because its values are tied by shared variables and bounds; elements with
+    /// a law of their own never are, because their laws do not add up.
     pub single_element: bool,
 }
 
@@ -245,7 +246,12 @@ impl Enumeration {
                     at_most,
                 });
             }
-            let single = budget.single_element || matches!(branch.kind, Kind::Element(_));
+            let single = match branch.kind {
+                Kind::Element(_) => true,
+                // Two laws with parameters of their own do not add up to a third of the same kind.
+                Kind::Custom(_) => false,
+                Kind::Component(_) | Kind::Placeholder => budget.single_element,
+            };
             let kind = EnumeratedKind {
                 stem: budget.kind.clone(),
                 branch,

@@ -2,11 +2,26 @@
 
 use crate::{Domain, Element};
 
+/// A declared element whose force is any function of its own relative displacement x and rate v = x'.
+///
+/// The law itself is the declarer's; a network only needs to know what the force depends on.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct CustomElement {
+    /// The declared name of the law.
+    pub law: String,
+    /// Whether the force depends on the relative displacement: it may hold what it joins, as a spring does.
+    pub displacement: bool,
+    /// Whether the force depends on the rate: it may brake what it joins, as a damper does.
+    pub rate: bool,
+}
+
 /// What a branch is.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// A single element.
+    /// A single linear element.
     Element(Element),
+    /// A single element with a declared force law, see [`crate::Mechanism`].
+    Custom(CustomElement),
     /// An instance of the named component.
     Component(String),
     /// A place that another layout is to fill.
@@ -56,10 +71,13 @@ pub enum KindError {
     #[error("`{0}` is declared twice")]
     Twice(String),
     /// The name ends in a digit.
-    #[error(
-        "the component name `{0}` ends in a digit, which would be read as the number of an instance"
-    )]
+    #[error("the name `{0}` ends in a digit, which would be read as the number of an instance")]
     EndsInDigit(String),
+    /// The force of a declared element depends on nothing.
+    #[error(
+        "the force of `{0}` depends neither on its displacement `x` nor on its rate `v`, so that it is no element"
+    )]
+    Constant(String),
     /// The name is also an instance of another kind.
     #[error("`{name}` would also be a numbered branch of `{other}`; rename one of them")]
     Ambiguous {
@@ -113,6 +131,35 @@ impl Kinds {
             return Err(KindError::EndsInDigit(name.to_owned()));
         }
         self.declare(name, Kind::Component(name.to_owned()))
+    }
+
+    /// Declares an element with a force law of its own; its instances are `name`, `name1`, `name2` …
+    ///
+    /// `displacement` and `rate` say what the force depends on.
+    ///
+    /// # Errors
+    /// See [`KindError`].
+    pub fn declare_custom(
+        &mut self,
+        name: &str,
+        displacement: bool,
+        rate: bool,
+    ) -> Result<(), KindError> {
+        if !(displacement || rate) {
+            return Err(KindError::Constant(name.to_owned()));
+        }
+        if name.ends_with(|character: char| character.is_ascii_digit()) {
+            return Err(KindError::EndsInDigit(name.to_owned()));
+        }
+        let law = name.to_owned();
+        self.declare(
+            name,
+            Kind::Custom(CustomElement {
+                law,
+                displacement,
+                rate,
+            }),
+        )
     }
 
     /// Declares a place that another layout is to fill ([`crate::Layout::substitute`]).

@@ -4,6 +4,8 @@
 //! [`Domain`] (`k c b m`, electrical `R L C`, hydraulic `R I C`); [`Enumeration`] lists layouts, each exactly once.
 //! A [`Network`] is the mechanical network that a layout becomes, with numbered elements, ready to be evaluated: dynamic
 //! stiffness, its gradient, rational admittance, number of modes, nodal form for stamping.
+//! A [`Mechanism`] is the nodal form of a layout that may hold nonlinear elements besides ([`Kinds::declare_custom`]);
+//! a layout with such elements is never a [`Network`], so that nothing linear can be asked of it by mistake.
 //!
 //! Conventions: force F, relative displacement x, admittance Y(s) = F/(s x), dynamic stiffness D(s) = s Y(s) = F/x; SI
 //! units throughout; the time factor is e^(jωt).
@@ -15,6 +17,7 @@ mod enumeration;
 mod gradient;
 mod kind;
 mod layout;
+mod mechanism;
 mod network;
 mod nodal;
 mod order;
@@ -31,8 +34,9 @@ pub use degree::Order;
 pub use element::{Domain, Element};
 pub use enumeration::{Budget, Enumeration, EnumerationError, Equivalence, Layouts};
 pub use gradient::PartShare;
-pub use kind::{Branch, Kind, KindError, Kinds};
+pub use kind::{Branch, CustomElement, Kind, KindError, Kinds};
 pub use layout::{Layout, LayoutError};
+pub use mechanism::{Law, Mechanism, MechanismElement};
 pub use network::{Network, NetworkElement, NetworkError, Part};
 pub use nodal::{Nodal, NodalBranch, Node};
 pub use program::{RatioGrid, Workspace};

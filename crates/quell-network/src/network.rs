@@ -82,6 +82,23 @@ pub enum NetworkError {
     /// A placeholder was left.
     #[error("`{0}` still stands for a layout that is to be chosen")]
     Placeholder(String),
+    /// An element with a law of its own, which has no dynamic stiffness.
+    #[error(
+        "`{0}` is nonlinear: it has no dynamic stiffness, so that the device can be simulated in time but has no \
+         frequency response, no admittance and no modes of its own"
+    )]
+    Nonlinear(String),
+    /// An element with a law of its own in a layout that is not mechanical.
+    #[error(
+        "`{branch}` is a law between force and motion, but its layout is {domain}; write the layout in the letters \
+         k, c, b, m"
+    )]
+    NotMechanical {
+        /// The branch.
+        branch: String,
+        /// The layout's domain.
+        domain: Domain,
+    },
     /// A branch is a component whose definition was not given.
     #[error("the component `{component}` of branch `{branch}` is not defined")]
     UnknownComponent {
@@ -324,6 +341,7 @@ impl Builder {
             Tree::Leaf(branch) => match &branch.kind {
                 Kind::Element(element) => Ok(self.element(branch.name.clone(), *element)),
                 Kind::Placeholder => Err(NetworkError::Placeholder(branch.name.clone())),
+                Kind::Custom(_) => Err(NetworkError::Nonlinear(branch.name.clone())),
                 Kind::Component(name) => {
                     let inner = component(name).ok_or_else(|| NetworkError::UnknownComponent {
                         branch: branch.name.clone(),
@@ -366,6 +384,10 @@ impl Builder {
                 Kind::Element(element) => {
                     Ok(self.element(format!("{instance}.{}", branch.name), element))
                 }
+                Kind::Custom(_) => Err(NetworkError::Nonlinear(format!(
+                    "{instance}.{}",
+                    branch.name
+                ))),
                 Kind::Component(_) | Kind::Placeholder => Err(NetworkError::Nested {
                     component: component.to_owned(),
                     branch: branch.name.clone(),

@@ -28,6 +28,9 @@ pub enum TransformError {
     /// What is not an element has no dual that is known here.
     #[error("`{0}` is no element, so that its dual is not known; expand components first")]
     NoElement(String),
+    /// An element with a law of its own has no dual that the layout could write.
+    #[error("`{0}` is nonlinear, so that it has no dual among springs, dampers and inerters")]
+    Nonlinear(String),
     /// A series group with two masses.
     #[error(
         "`{first}` and `{second}` are in series, but one terminal of a mass is the inertial frame, so that nothing can follow it"
@@ -120,6 +123,7 @@ impl Layout {
                 Kind::Element(element) => element
                     .dual()
                     .ok_or_else(|| TransformError::MassDual(branch.name.clone())),
+                Kind::Custom(_) => Err(TransformError::Nonlinear(branch.name.clone())),
                 Kind::Component(_) | Kind::Placeholder => {
                     Err(TransformError::NoElement(branch.name.clone()))
                 }
@@ -172,7 +176,8 @@ impl Layout {
     ///
     /// Values add up where one displacement (or flow, voltage …) is shared in the way of the element, else their
     /// reciprocals do: mechanical elements and electrical C add in parallel, electrical R and L in series, hydraulic R
-    /// and I in series and C in parallel. Components and placeholders stay as they are.
+    /// and I in series and C in parallel. Components, nonlinear elements and placeholders
+    /// stay as they are.
     #[must_use]
     pub fn merge_like(&self) -> Merged {
         let mut values = Vec::new();
