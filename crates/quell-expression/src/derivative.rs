@@ -9,25 +9,41 @@
 //! Elsewhere infinity or not-a-number comes out, as at `sqrt(0)` or `atan2(0, 0)`.
 
 use crate::Function;
-use crate::graph::{Graph, Operation, Slot};
+use crate::graph::{Differentiation, Graph};
+use crate::operation::{Operation, Slot};
 
-/// Derivatives of the first `count` operations with respect to an input; none where it is zero by structure.
-///
-/// Forward sweep: d/dx of each operation from those of its operands, by the chain rule. New operations are appended to
-/// the graph, those that the values or other derivatives already hold are shared.
-pub(crate) fn derivatives(graph: &mut Graph, count: usize, input: u32) -> Vec<Option<Slot>> {
-    let mut found: Vec<Option<Slot>> = Vec::with_capacity(count);
-    for slot in 0..count as Slot {
-        let slope = match graph.operation(slot) {
-            Operation::Input(index) if index == input => Some(graph.constant(1.0)),
-            operation => {
-                let of = |operand: Slot| found.get(operand as usize).copied().flatten();
-                rule(graph, slot, operation, of)
-            }
-        };
-        found.push(slope);
+/// Derivatives of operations along one direction; none where they are zero by structure.
+pub(crate) struct Slopes(Vec<Option<Slot>>);
+
+impl Slopes {
+    pub(crate) fn of(&self, slot: Slot) -> Option<Slot> {
+        self.0.get(slot.index()).copied().flatten()
     }
-    found
+}
+
+/// Derivatives of the operations of `order` when each seeded input moves at its rate.
+///
+/// Forward sweep: the derivative of each operation from those of its operands, by the chain rule. New operations are
+/// appended to the graph, those that the values or other derivatives already hold are shared.
+pub(crate) fn sweep(
+    graph: &mut Graph,
+    order: &[Slot],
+    seeds: &[(usize, Slot)],
+    kind: Differentiation,
+) -> Slopes {
+    let mut slopes = Slopes(vec![None; order.last().map_or(0, |slot| slot.index() + 1)]);
+    for slot in order {
+        let slope = match graph.operation(*slot) {
+            Operation::Input(index) => seeds
+                .iter()
+                .find(|(input, _)| *input == index as usize)
+                .map(|(_, rate)| *rate),
+            Operation::Hold(_) if kind == Differentiation::Formal => None,
+            operation => rule(graph, *slot, operation, |operand| slopes.of(operand)),
+        };
+        slopes.0[slot.index()] = slope.filter(|slope| graph.as_constant(*slope) != Some(0.0));
+    }
+    slopes
 }
 
 /// The chain rule for one operation, whose value is in `slot`.
@@ -39,6 +55,7 @@ fn rule(
 ) -> Option<Slot> {
     match operation {
         Operation::Constant(_) | Operation::Input(_) => None,
+        Operation::Hold(a) => of(a),
         Operation::Negate(a) => of(a).map(|da| graph.negate(da)),
         Operation::Add(a, b) => sum(graph, of(a), of(b)),
         Operation::Subtract(a, b) => difference(graph, of(a), of(b)),
@@ -94,7 +111,7 @@ fn choice(
         return None;
     }
     let zero = graph.constant(0.0);
-    Some(graph.choose([a, b, first.unwrap_or(zero), second.unwrap_or(zero)]))
+    Some(graph.select([a, b, first.unwrap_or(zero), second.unwrap_or(zero)]))
 }
 
 /// n a^(n - 1).
@@ -129,7 +146,7 @@ fn power(
         let product = graph.multiply(slot, logarithm);
         let magnitude = graph.unary(Function::Abs, slot);
         let zero = graph.constant(0.0);
-        let factor = graph.choose([magnitude, zero, zero, product]);
+        let factor = graph.select([magnitude, zero, zero, product]);
         graph.multiply(factor, db)
     });
     sum(graph, along_base, along_exponent)
@@ -240,7 +257,7 @@ fn binary(
             let above = sum(graph, first, second)?;
             let slope = graph.divide(above, slot);
             let zero = graph.constant(0.0);
-            Some(graph.choose([slot, zero, zero, slope]))
+            Some(graph.select([slot, zero, zero, slope]))
         }
         // No other function has two arguments.
         _ => (da.is_some() || db.is_some()).then(|| graph.constant(f64::NAN)),

@@ -118,28 +118,9 @@ impl Function {
             Self::Log10 => first.log10(),
             Self::Sqrt => first.sqrt(),
             Self::Abs => first.abs(),
-            Self::Sign => {
-                if first == 0.0 {
-                    0.0
-                } else {
-                    first.signum()
-                }
-            }
-            // f64::min ignores not-a-number; here it must not pass in silence.
-            Self::Min => arguments.iter().copied().fold(f64::INFINITY, |a, b| {
-                if a.is_nan() || b.is_nan() {
-                    f64::NAN
-                } else {
-                    a.min(b)
-                }
-            }),
-            Self::Max => arguments.iter().copied().fold(f64::NEG_INFINITY, |a, b| {
-                if a.is_nan() || b.is_nan() {
-                    f64::NAN
-                } else {
-                    a.max(b)
-                }
-            }),
+            Self::Sign => sign(first),
+            Self::Min => arguments.iter().copied().fold(f64::INFINITY, least),
+            Self::Max => arguments.iter().copied().fold(f64::NEG_INFINITY, largest),
             Self::Hypot => first.hypot(second),
         }
     }
@@ -218,5 +199,35 @@ impl Function {
             self.value(&values),
             self.dimension(&dimensions)?,
         ))
+    }
+}
+
+/// -1, 0 or 1.
+#[inline]
+pub(crate) fn sign(a: f64) -> f64 {
+    if a == 0.0 { 0.0 } else { a.signum() }
+}
+
+/// The smaller, the earlier of equals. `f64::min` ignores not-a-number, which must not pass in silence.
+#[inline]
+pub(crate) fn least(a: f64, b: f64) -> f64 {
+    if a <= b {
+        a
+    } else if b < a {
+        b
+    } else {
+        f64::NAN
+    }
+}
+
+/// The larger, the earlier of equals.
+#[inline]
+pub(crate) fn largest(a: f64, b: f64) -> f64 {
+    if a >= b {
+        a
+    } else if b > a {
+        b
+    } else {
+        f64::NAN
     }
 }

@@ -1,142 +1,120 @@
-//! The graph of operations behind a tape: single assignment, every operation stored once.
+//! The graph of operations behind tapes and programs: single assignment, every operation stored once.
+
+mod condition;
+mod dependence;
 
 use std::collections::HashMap;
 
-use crate::Function;
-use crate::evaluate::{as_whole, power, whole_power};
+pub use condition::Condition;
 
-/// Place of an operation in its graph, and of its value in the work space.
-pub(crate) type Slot = u32;
+use crate::evaluate::as_whole;
+use crate::operation::{Operation, Slot};
+use crate::{Function, derivative};
 
-/// One operation on earlier slots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Operation {
-    /// A number, by its bits.
-    Constant(u64),
-    /// The input of an index.
-    Input(u32),
-    /// -a
-    Negate(Slot),
-    /// a + b
-    Add(Slot, Slot),
-    /// a - b
-    Subtract(Slot, Slot),
-    /// a b
-    Multiply(Slot, Slot),
-    /// a/b
-    Divide(Slot, Slot),
-    /// a^n for a constant whole n, by multiplication.
-    WholePower(Slot, i32),
-    /// a^b
-    Power(Slot, Slot),
-    /// A function of one argument.
-    Unary(Function, Slot),
-    /// A function of two arguments.
-    Binary(Function, Slot, Slot),
-    /// c where a ≤ b, d where a > b, not-a-number where they do not compare.
-    Choose([Slot; 4]),
+/// What differentiation does at [`Graph::hold`].
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub enum Differentiation {
+    /// A held expression counts as constant: the derivatives of the language, `'` and `d(…)`.
+    Formal,
+    /// A held expression is differentiated like any other: Jacobians.
+    Exact,
 }
 
-impl Operation {
-    /// Its value, from inputs (a missing one is not-a-number) and the values of earlier slots.
-    #[inline]
-    pub(crate) fn value(self, inputs: &[f64], work: &[f64]) -> f64 {
-        let at = |slot: Slot| work[slot as usize];
-        match self {
-            Self::Constant(bits) => f64::from_bits(bits),
-            Self::Input(index) => inputs.get(index as usize).copied().unwrap_or(f64::NAN),
-            Self::Negate(a) => -at(a),
-            Self::Add(a, b) => at(a) + at(b),
-            Self::Subtract(a, b) => at(a) - at(b),
-            Self::Multiply(a, b) => at(a) * at(b),
-            Self::Divide(a, b) => at(a) / at(b),
-            Self::WholePower(a, exponent) => whole_power(at(a), exponent),
-            Self::Power(a, b) => power(at(a), at(b)),
-            Self::Unary(function, a) => function.value(&[at(a)]),
-            Self::Binary(function, a, b) => function.value(&[at(a), at(b)]),
-            Self::Choose([a, b, c, d]) => {
-                let (a, b) = (at(a), at(b));
-                if a <= b {
-                    at(c)
-                } else if a > b {
-                    at(d)
-                } else {
-                    f64::NAN
-                }
-            }
-        }
-    }
-
-    /// The same operation on other slots.
-    #[must_use]
-    pub(crate) fn map(self, mut to: impl FnMut(Slot) -> Slot) -> Self {
-        match self {
-            Self::Constant(_) | Self::Input(_) => self,
-            Self::Negate(a) => Self::Negate(to(a)),
-            Self::Add(a, b) => Self::Add(to(a), to(b)),
-            Self::Subtract(a, b) => Self::Subtract(to(a), to(b)),
-            Self::Multiply(a, b) => Self::Multiply(to(a), to(b)),
-            Self::Divide(a, b) => Self::Divide(to(a), to(b)),
-            Self::WholePower(a, exponent) => Self::WholePower(to(a), exponent),
-            Self::Power(a, b) => Self::Power(to(a), to(b)),
-            Self::Unary(function, a) => Self::Unary(function, to(a)),
-            Self::Binary(function, a, b) => Self::Binary(function, to(a), to(b)),
-            Self::Choose(slots) => Self::Choose(slots.map(to)),
-        }
-    }
-
-    /// Calls `visit` with every slot that it reads.
-    pub(crate) fn operands(self, mut visit: impl FnMut(Slot)) {
-        let _ = self.map(|slot| {
-            visit(slot);
-            slot
-        });
-    }
-}
-
-/// Operations in the order of evaluation: each reads earlier ones only.
+/// Expressions over numbered real inputs, as operations in the order of evaluation: each reads earlier ones only.
 ///
-/// The constructors fold constants and leave out what is exact in floating point (x·1, x/1, x - 0, -(-x)), so a value
-/// has the bits that evaluating the expression gives. 0·x stays, since x may be infinite; structural zeros are the
-/// derivatives' own business.
+/// Equal operations are stored once, so a part that occurs in many expressions and their derivatives is shared. The
+/// constructors fold constants and leave out what is exact in floating point (x·1, x/1, x - 0, -(-x)), so a value
+/// has the bits that evaluating the expression gives. 0·x stays, since x may be infinite; a derivative that is zero by
+/// structure is none at all.
+///
+/// Values are SI and have no dimension here; lowering checks dimensions. Points outside a function's
+/// domain give not-a-number or infinity. A slot of another graph reads as not-a-number or as whatever stands there:
+/// no call panics.
+///
+/// ```
+/// use quell_expression::{Differentiation, Function, Graph};
+/// let mut graph = Graph::default();
+/// let (x, v) = (graph.input(0), graph.input(1));
+/// let sine = graph.unary(Function::Sin, x);
+/// let rate = graph.tangent(&[sine], &[(0, v)], Differentiation::Formal);
+/// assert_eq!(graph.values(&[sine, rate[0].unwrap()], &[0.0, 3.0]), [0.0, 3.0]);
+/// ```
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Graph {
+pub struct Graph {
     operations: Vec<Operation>,
     known: HashMap<Operation, Slot>,
 }
 
 impl Graph {
+    /// Number of operations, inputs and constants included.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.operations.len()
+    }
+
+    /// Whether nothing is in it.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.operations.is_empty()
+    }
+
     pub(crate) fn operations(&self) -> &[Operation] {
         &self.operations
     }
 
     pub(crate) fn operation(&self, slot: Slot) -> Operation {
-        self.operations[slot as usize]
+        self.operations
+            .get(slot.index())
+            .copied()
+            .unwrap_or(Operation::Constant(f64::NAN.to_bits()))
     }
 
-    pub(crate) fn as_constant(&self, slot: Slot) -> Option<f64> {
+    /// The number that a slot is, whatever the inputs.
+    #[must_use]
+    pub fn as_constant(&self, slot: Slot) -> Option<f64> {
         match self.operation(slot) {
             Operation::Constant(bits) => Some(f64::from_bits(bits)),
             _ => None,
         }
     }
 
-    pub(crate) fn constant(&mut self, value: f64) -> Slot {
+    /// The input that a slot is.
+    #[must_use]
+    pub fn as_input(&self, slot: Slot) -> Option<usize> {
+        match self.operation(slot) {
+            Operation::Input(index) => Some(index as usize),
+            _ => None,
+        }
+    }
+
+    /// A number.
+    pub fn constant(&mut self, value: f64) -> Slot {
         self.store(Operation::Constant(value.to_bits()))
     }
 
-    pub(crate) fn input(&mut self, index: u32) -> Slot {
-        self.store(Operation::Input(index))
+    /// The input of an index.
+    pub fn input(&mut self, index: usize) -> Slot {
+        self.store(Operation::Input(index as u32))
     }
 
-    pub(crate) fn negate(&mut self, a: Slot) -> Slot {
+    /// a itself, constant under [`Differentiation::Formal`].
+    pub fn hold(&mut self, a: Slot) -> Slot {
+        match self.operation(a) {
+            Operation::Hold(_) => a,
+            _ => self.push(Operation::Hold(a)),
+        }
+    }
+
+    /// -a
+    pub fn negate(&mut self, a: Slot) -> Slot {
         match self.operation(a) {
             Operation::Negate(inner) => inner,
             _ => self.push(Operation::Negate(a)),
         }
     }
 
-    pub(crate) fn add(&mut self, a: Slot, b: Slot) -> Slot {
+    /// a + b
+    pub fn add(&mut self, a: Slot, b: Slot) -> Slot {
         match (self.operation(a), self.operation(b)) {
             (_, Operation::Negate(inner)) => self.subtract(a, inner),
             (Operation::Negate(inner), _) => self.subtract(b, inner),
@@ -144,14 +122,19 @@ impl Graph {
         }
     }
 
-    pub(crate) fn subtract(&mut self, a: Slot, b: Slot) -> Slot {
+    /// a - b
+    pub fn subtract(&mut self, a: Slot, b: Slot) -> Slot {
         if self.as_constant(b).map(f64::to_bits) == Some(0) {
             return a;
+        }
+        if let Operation::Negate(inner) = self.operation(b) {
+            return self.push(Operation::Add(a.min(inner), a.max(inner)));
         }
         self.push(Operation::Subtract(a, b))
     }
 
-    pub(crate) fn multiply(&mut self, a: Slot, b: Slot) -> Slot {
+    /// a b
+    pub fn multiply(&mut self, a: Slot, b: Slot) -> Slot {
         for (factor, other) in [(a, b), (b, a)] {
             match self.as_constant(factor) {
                 Some(1.0) => return other,
@@ -162,14 +145,16 @@ impl Graph {
         self.push(Operation::Multiply(a.min(b), a.max(b)))
     }
 
-    pub(crate) fn divide(&mut self, a: Slot, b: Slot) -> Slot {
+    /// a/b
+    pub fn divide(&mut self, a: Slot, b: Slot) -> Slot {
         if self.as_constant(b) == Some(1.0) {
             return a;
         }
         self.push(Operation::Divide(a, b))
     }
 
-    pub(crate) fn power(&mut self, a: Slot, b: Slot) -> Slot {
+    /// a^b; for a constant whole b of at most 64 by multiplication alone.
+    pub fn power(&mut self, a: Slot, b: Slot) -> Slot {
         match self.as_constant(b) {
             Some(0.0) => self.constant(1.0),
             Some(1.0) => a,
@@ -180,22 +165,166 @@ impl Graph {
         }
     }
 
-    pub(crate) fn unary(&mut self, function: Function, a: Slot) -> Slot {
+    /// A function of one argument.
+    pub fn unary(&mut self, function: Function, a: Slot) -> Slot {
         self.push(Operation::Unary(function, a))
     }
 
-    pub(crate) fn binary(&mut self, function: Function, a: Slot, b: Slot) -> Slot {
+    /// A function of two arguments.
+    pub fn binary(&mut self, function: Function, a: Slot, b: Slot) -> Slot {
         self.push(Operation::Binary(function, a, b))
     }
 
+    /// `then` where the condition holds, `otherwise` where not; not-a-number where numbers in it do not compare.
+    ///
+    /// Only the chosen one counts: what the other is there, infinite perhaps, does not matter.
+    pub fn choose(&mut self, condition: &Condition, then: Slot, otherwise: Slot) -> Slot {
+        match condition {
+            Condition::LessOrEqual(a, b) => self.select([*a, *b, then, otherwise]),
+            Condition::Less(a, b) => self.select([*b, *a, otherwise, then]),
+            Condition::Equal(a, b) => {
+                let not_above = self.select([*b, *a, then, otherwise]);
+                self.select([*a, *b, not_above, otherwise])
+            }
+            Condition::Not(inner) => self.choose(inner, otherwise, then),
+            Condition::And(first, second) => {
+                let both = self.choose(second, then, otherwise);
+                self.choose(first, both, otherwise)
+            }
+            Condition::Or(first, second) => {
+                let either = self.choose(second, then, otherwise);
+                self.choose(first, then, either)
+            }
+        }
+    }
+
     /// c where a ≤ b, d otherwise.
-    pub(crate) fn choose(&mut self, slots: [Slot; 4]) -> Slot {
+    pub(crate) fn select(&mut self, slots: [Slot; 4]) -> Slot {
+        let [a, b, c, d] = slots;
+        if c == d {
+            return c;
+        }
+        if let (Some(a), Some(b)) = (self.as_constant(a), self.as_constant(b)) {
+            if a <= b {
+                return c;
+            }
+            if a > b {
+                return d;
+            }
+        }
         self.push(Operation::Choose(slots))
+    }
+
+    /// d(root)/dσ of each root when every seeded input moves at its rate; none where it is zero by structure.
+    ///
+    /// An input without seed stands still. Applied to its own result it gives higher directional derivatives. Where a
+    /// function has no derivative: `abs`, `sign` and `hypot` have slope 0 at 0, `min` and `max` of equal arguments that of
+    /// the earlier one, and a choice that of the chosen side; a jump has no derivative of its own.
+    pub fn tangent(
+        &mut self,
+        roots: &[Slot],
+        seeds: &[(usize, Slot)],
+        kind: Differentiation,
+    ) -> Vec<Option<Slot>> {
+        let order = self.needed(roots, kind);
+        let slopes = derivative::sweep(self, &order, seeds, kind);
+        roots.iter().map(|root| slopes.of(*root)).collect()
+    }
+
+    /// ∂root/∂input, exact, row by row: `jacobian[i*n + j]` of n inputs; none where it is zero by structure.
+    pub fn jacobian(&mut self, roots: &[Slot], inputs: &[usize]) -> Vec<Option<Slot>> {
+        let order = self.needed(roots, Differentiation::Exact);
+        let one = self.constant(1.0);
+        let mut jacobian = vec![None; roots.len() * inputs.len()];
+        for (column, input) in inputs.iter().enumerate() {
+            let slopes = derivative::sweep(self, &order, &[(*input, one)], Differentiation::Exact);
+            for (row, root) in roots.iter().enumerate() {
+                jacobian[row * inputs.len() + column] = slopes.of(*root);
+            }
+        }
+        jacobian
+    }
+
+    /// The same expressions with inputs replaced; an input that is not mentioned stays.
+    pub fn substitute(&mut self, roots: &[Slot], with: &[(usize, Slot)]) -> Vec<Slot> {
+        let order = self.needed(roots, Differentiation::Exact);
+        let mut moved: HashMap<Slot, Slot> = HashMap::with_capacity(order.len());
+        for slot in order {
+            let operation = self.operation(slot);
+            let place = match operation {
+                Operation::Input(index) => with
+                    .iter()
+                    .find(|(input, _)| *input == index as usize)
+                    .map_or(slot, |(_, other)| *other),
+                _ => self.rebuild(operation.map(|operand| {
+                    // Operands come first in the order.
+                    moved.get(&operand).copied().unwrap_or(operand)
+                })),
+            };
+            moved.insert(slot, place);
+        }
+        let of = |root: &Slot| moved.get(root).copied().unwrap_or(*root);
+        roots.iter().map(of).collect()
+    }
+
+    /// Copies expressions of another graph, whose input i becomes the slot `inputs[i]`, or keeps its number where there
+    /// is none.
+    pub fn append(&mut self, other: &Self, roots: &[Slot], inputs: &[Slot]) -> Vec<Slot> {
+        let mut moved: HashMap<Slot, Slot> = HashMap::new();
+        for slot in other.needed(roots, Differentiation::Exact) {
+            let operation = other.operation(slot);
+            let place = match operation {
+                Operation::Input(index) => match inputs.get(index as usize) {
+                    Some(given) => *given,
+                    None => self.input(index as usize),
+                },
+                _ => self.rebuild(
+                    operation.map(|operand| moved.get(&operand).copied().unwrap_or(operand)),
+                ),
+            };
+            moved.insert(slot, place);
+        }
+        roots
+            .iter()
+            .map(|root| match moved.get(root) {
+                Some(place) => *place,
+                None => self.constant(f64::NAN),
+            })
+            .collect()
+    }
+
+    /// Values at one point. For a few evaluations; a [`Program`](crate::Program) is for many.
+    #[must_use]
+    pub fn values(&self, roots: &[Slot], inputs: &[f64]) -> Vec<f64> {
+        let order = self.needed(roots, Differentiation::Exact);
+        let mut work = vec![f64::NAN; order.last().map_or(0, |slot| slot.index() + 1)];
+        for slot in order {
+            work[slot.index()] = self.operation(slot).value(inputs, &work);
+        }
+        let of = |root: &Slot| work.get(root.index()).copied().unwrap_or(f64::NAN);
+        roots.iter().map(of).collect()
+    }
+
+    /// The operation through its constructor, which simplifies.
+    pub(crate) fn rebuild(&mut self, operation: Operation) -> Slot {
+        match operation {
+            Operation::Constant(_) | Operation::Input(_) => self.store(operation),
+            Operation::Hold(a) => self.hold(a),
+            Operation::Negate(a) => self.negate(a),
+            Operation::Add(a, b) => self.add(a, b),
+            Operation::Subtract(a, b) => self.subtract(a, b),
+            Operation::Multiply(a, b) => self.multiply(a, b),
+            Operation::Divide(a, b) => self.divide(a, b),
+            Operation::WholePower(..) => self.push(operation),
+            Operation::Power(a, b) => self.power(a, b),
+            Operation::Unary(function, a) => self.unary(function, a),
+            Operation::Binary(function, a, b) => self.binary(function, a, b),
+            Operation::Choose(slots) => self.select(slots),
+        }
     }
 
     /// Folds an operation on constants, else stores it.
     fn push(&mut self, operation: Operation) -> Slot {
-        let mut slots = [0; 4];
         let mut values = [0.0; 4];
         let mut count = 0;
         let mut constant = true;
@@ -204,7 +333,6 @@ impl Graph {
                 Some(value) => values[count] = value,
                 None => constant = false,
             }
-            slots[count] = slot;
             count += 1;
         });
         if !constant {
@@ -213,17 +341,21 @@ impl Graph {
         let mut next = 0;
         let local = operation.map(|_| {
             next += 1;
-            next - 1
+            Slot::at(next - 1)
         });
         self.constant(local.value(&[], &values))
+    }
+
+    /// The slot of an operation that is there.
+    fn find(&self, operation: Operation) -> Option<Slot> {
+        self.known.get(&operation).copied()
     }
 
     fn store(&mut self, operation: Operation) -> Slot {
         let operations = &mut self.operations;
         *self.known.entry(operation).or_insert_with(|| {
             operations.push(operation);
-            // 2^32 operations would fill the memory of any machine long before.
-            (operations.len() - 1) as Slot
+            Slot::at(operations.len() - 1)
         })
     }
 }

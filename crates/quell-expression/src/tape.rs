@@ -1,9 +1,9 @@
 //! Tapes: many expressions over the same inputs, evaluated together with their exact derivatives.
 
-use crate::derivative::derivatives;
 use crate::evaluate::{look_up, no_value, not_finite, unknown_name};
 use crate::expression::{BinaryOperator, Expression, Node};
-use crate::graph::{Graph, Operation, Slot};
+use crate::graph::Graph;
+use crate::operation::{Operation, Slot};
 use crate::{ExpressionError, Function, Quantity, Scope};
 
 /// Gathers expressions into a [`Tape`].
@@ -145,7 +145,7 @@ impl TapeBuilder {
         constants: &dyn Scope,
     ) -> Result<Slot, ExpressionError> {
         if let Some(index) = self.inputs.iter().position(|input| input == name) {
-            return Ok(self.graph.input(index as u32));
+            return Ok(self.graph.input(index));
         }
         let value = match constants.quantity(name) {
             Some(quantity) => quantity.value,
@@ -183,17 +183,13 @@ impl TapeBuilder {
             mut graph,
             outputs,
         } = self;
-        let count = graph.operations().len();
-        let mut entries = Vec::new();
-        for column in 0..inputs.len() {
-            let slopes = derivatives(&mut graph, count, column as u32);
-            for (row, output) in outputs.iter().enumerate() {
-                if let Some(slope) = slopes.get(*output as usize).copied().flatten() {
-                    entries.push((row * inputs.len() + column, slope));
-                }
-            }
-        }
-        entries.sort_unstable();
+        let columns: Vec<usize> = (0..inputs.len()).collect();
+        let entries: Vec<(usize, Slot)> = graph
+            .jacobian(&outputs, &columns)
+            .into_iter()
+            .enumerate()
+            .filter_map(|(position, slope)| Some((position, slope?)))
+            .collect();
         let mut order = Order::new(graph.operations());
         order.take(outputs.iter().copied());
         let values = order.operations.len();
@@ -249,18 +245,18 @@ impl<'a> Order<'a> {
     fn take(&mut self, roots: impl Iterator<Item = Slot>) {
         let mut needed = vec![false; self.graph.len()];
         for root in roots {
-            needed[root as usize] = true;
+            needed[root.index()] = true;
         }
         // Operands come before in the graph, so one pass backwards finds them all.
         for (index, operation) in self.graph.iter().enumerate().rev() {
             if needed[index] {
-                operation.operands(|operand| needed[operand as usize] = true);
+                operation.operands(|operand| needed[operand.index()] = true);
             }
         }
         for (index, operation) in self.graph.iter().enumerate() {
             if needed[index] && self.places[index].is_none() {
                 let moved = operation.map(|operand| self.place(operand));
-                self.places[index] = Some(self.operations.len() as Slot);
+                self.places[index] = Some(Slot::at(self.operations.len()));
                 self.operations.push(moved);
             }
         }
@@ -268,7 +264,7 @@ impl<'a> Order<'a> {
 
     fn place(&self, slot: Slot) -> Slot {
         // Every slot asked for was taken before; 0 is never read.
-        self.places[slot as usize].unwrap_or(0)
+        self.places[slot.index()].unwrap_or(Slot(0))
     }
 }
 
@@ -327,14 +323,14 @@ impl Tape {
         }
         for (position, slot) in &self.entries {
             if let Some(entry) = jacobian.get_mut(*position) {
-                *entry = work[*slot as usize];
+                *entry = work[slot.index()];
             }
         }
     }
 
     fn read(&self, work: &[f64], outputs: &mut [f64]) {
         for (output, slot) in outputs.iter_mut().zip(&self.outputs) {
-            *output = work[*slot as usize];
+            *output = work[slot.index()];
         }
     }
 }

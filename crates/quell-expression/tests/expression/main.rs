@@ -10,6 +10,7 @@ mod chain;
 mod derivative;
 mod grammar;
 mod message;
+mod program;
 mod random;
 mod round_trip;
 mod unit;

@@ -1,0 +1,40 @@
+//! Conditions on values of a graph.
+
+use crate::operation::Slot;
+
+/// What decides between two expressions, see [`Graph::choose`](crate::Graph::choose).
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Condition {
+    /// a ≤ b
+    LessOrEqual(Slot, Slot),
+    /// a < b
+    Less(Slot, Slot),
+    /// a = b
+    Equal(Slot, Slot),
+    /// The opposite.
+    Not(Box<Self>),
+    /// Both.
+    And(Box<Self>, Box<Self>),
+    /// At least one.
+    Or(Box<Self>, Box<Self>),
+}
+
+impl Condition {
+    /// The opposite.
+    #[must_use]
+    pub fn negated(self) -> Self {
+        Self::Not(Box::new(self))
+    }
+
+    /// This and another.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self::And(Box::new(self), Box::new(other))
+    }
+
+    /// This or another, or both.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self::Or(Box::new(self), Box::new(other))
+    }
+}

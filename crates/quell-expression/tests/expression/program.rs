@@ -1,0 +1,94 @@
+//! Programs against the graph's own values, hoisting, levels, lanes.
+
+use quell_expression::{BatchWorkspace, Condition, Differentiation, Function, Graph, LANES};
+use quell_expression::{Program, Workspace};
+
+#[test]
+fn levels_add_up_and_parameters_are_read_once() {
+    let mut graph = Graph::default();
+    let (x, y, k) = (graph.input(0), graph.input(1), graph.input(2));
+    let sine = graph.unary(Function::Sin, k);
+    let product = graph.multiply(sine, x);
+    let root = graph.add(product, y);
+    let slopes: Vec<_> = graph.jacobian(&[root], &[0, 1, 2]);
+    let slopes: Vec<_> = slopes.into_iter().map(|slope| slope.unwrap()).collect();
+    let program = Program::compile(&graph, &[vec![root], slopes], |input| input == 2);
+    // One fused multiply-add; k x cos(k) for the parameter's column in level 1.
+    assert_eq!((program.operations(0), program.operations(1)), (1, 2));
+    assert_eq!((program.outputs(0), program.outputs(1)), (1, 4));
+    let mut workspace = Workspace::default();
+    program.prepare(&[f64::NAN, f64::NAN, 0.5], &mut workspace);
+    let mut outputs = [7.0; 5];
+    program.evaluate(0, &[2.0, 3.0, f64::NAN], &mut workspace, &mut outputs);
+    assert_eq!(outputs, [0.5_f64.sin() * 2.0 + 3.0, 7.0, 7.0, 7.0, 7.0]);
+    program.evaluate(1, &[2.0, 3.0], &mut workspace, &mut outputs);
+    let (sine, cosine) = (0.5_f64.sin(), 0.5_f64.cos());
+    assert_eq!(outputs, [sine * 2.0 + 3.0, sine, 1.0, cosine * 2.0, 7.0]);
+}
+
+#[test]
+fn lanes_have_the_bits_of_points_alone() {
+    let mut graph = Graph::default();
+    let (x, k) = (graph.input(0), graph.input(1));
+    let power = graph.power(x, k);
+    let atan = graph.unary(Function::Atan, power);
+    let product = graph.multiply(k, x);
+    let less = graph.choose(&Condition::Less(x, k), product, atan);
+    let root = graph.subtract(less, power);
+    let slope = graph.jacobian(&[root], &[0])[0].unwrap();
+    let program = Program::compile(&graph, &[vec![root], vec![slope]], |input| input == 1);
+    let at = |lane: usize| [0.3 + 0.1 * lane as f64, 1.3 + 0.01 * lane as f64];
+    let inputs: [[f64; LANES]; 2] =
+        std::array::from_fn(|input| std::array::from_fn(|lane| at(lane)[input]));
+    let (mut batch, mut outputs) = (BatchWorkspace::default(), [[0.0; LANES]; 2]);
+    program.prepare_lanes(&inputs, &mut batch);
+    program.evaluate_batch(1, &inputs, &mut batch, &mut outputs);
+    for lane in 0..LANES {
+        let (mut workspace, mut alone) = (Workspace::default(), [0.0; 2]);
+        program.prepare(&at(lane), &mut workspace);
+        program.evaluate(1, &at(lane), &mut workspace, &mut alone);
+        assert_eq!([outputs[0][lane], outputs[1][lane]], alone);
+        assert_eq!(graph.values(&[root, slope], &at(lane)), alone);
+    }
+}
+
+#[test]
+fn holds_stop_formal_derivatives_only() {
+    let mut graph = Graph::default();
+    let (x, v) = (graph.input(0), graph.input(1));
+    let square = graph.multiply(x, x);
+    let held = graph.hold(square);
+    let root = graph.multiply(held, x);
+    let formal = graph.tangent(&[root], &[(0, v)], Differentiation::Formal)[0].unwrap();
+    let exact = graph.tangent(&[root], &[(0, v)], Differentiation::Exact)[0].unwrap();
+    assert_eq!(graph.values(&[formal, exact], &[3.0, 2.0]), [18.0, 54.0]);
+    let one = graph.constant(1.0);
+    assert_eq!(
+        graph.tangent(&[held], &[(0, one)], Differentiation::Formal),
+        [None]
+    );
+}
+
+#[test]
+fn dependence_tells_smooth_from_deciding() {
+    let mut graph = Graph::default();
+    let (x, y, z) = (graph.input(0), graph.input(1), graph.input(2));
+    let piece = graph.choose(&Condition::LessOrEqual(x, y), z, y);
+    let sign = graph.unary(Function::Sign, x);
+    let root = graph.multiply(sign, piece);
+    assert!(graph.depends(root, 0));
+    assert_eq!(
+        graph
+            .smooth_dependence(root)
+            .into_iter()
+            .collect::<Vec<_>>(),
+        [1, 2]
+    );
+    let difference = graph.subtract(x, y);
+    assert_eq!(graph.switches(&[root]), [difference, x]);
+    let moved = graph.substitute(&[root], &[(0, y), (1, x)]);
+    assert_eq!(
+        graph.values(&[root, moved[0]], &[-1.0, 2.0, 5.0]),
+        [-5.0, -1.0]
+    );
+}
