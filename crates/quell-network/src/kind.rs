@@ -71,8 +71,15 @@ pub enum KindError {
     #[error("`{0}` is declared twice")]
     Twice(String),
     /// The name ends in a digit.
-    #[error("the name `{0}` ends in a digit, which would be read as the number of an instance")]
+    #[error(
+        "the component name `{0}` ends in a digit, which would be read as the number of an instance"
+    )]
     EndsInDigit(String),
+    /// The name of a declared element ends in a digit.
+    #[error(
+        "the element name `{0}` ends in a digit, which would be read as the number of an instance"
+    )]
+    CustomEndsInDigit(String),
     /// The force of a declared element depends on nothing.
     #[error(
         "the force of `{0}` depends neither on its displacement `x` nor on its rate `v`, so that it is no element"
@@ -149,7 +156,7 @@ impl Kinds {
             return Err(KindError::Constant(name.to_owned()));
         }
         if name.ends_with(|character: char| character.is_ascii_digit()) {
-            return Err(KindError::EndsInDigit(name.to_owned()));
+            return Err(KindError::CustomEndsInDigit(name.to_owned()));
         }
         let law = name.to_owned();
         self.declare(

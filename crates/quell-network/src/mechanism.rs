@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::kind::{Branch, CustomElement, Kind};
-use crate::{
-    Component, Domain, Element, Layout, Network, NetworkElement, NetworkError, Node, Tree,
-};
+use crate::{Component, Domain, Element, Layout, Network, NetworkElement, NetworkError, Node};
 
 /// How an element's force follows from its relative displacement x.
 #[derive(Debug, Clone, PartialEq)]
