@@ -159,6 +159,15 @@ impl<'a> Reader<'a> {
                 span,
                 "a comparison is not a combination of signals",
             )),
+            Node::Logic { .. } | Node::Not(_) => Err(ExpressionError::new(
+                span,
+                "a condition is not a combination of signals",
+            )),
+            Node::Choice { .. } => Err(ExpressionError::new(
+                span,
+                "a choice between signals is not linear",
+            )
+            .with_help("expected a sum of signals, each times a constant")),
             _ => expression.evaluate(&Constants(self)).map(Value::Constant),
         }
     }
@@ -205,12 +214,7 @@ impl<'a> Reader<'a> {
                 Node::Name(name) if self.signal(name).is_some() => return true,
                 Node::Derivative { .. } => return true,
                 Node::Call { function, .. } if Quality::of(function).is_some() => return true,
-                Node::Call { arguments, .. } => left_to_see.extend(arguments),
-                Node::Negate(operand) => left_to_see.push(operand),
-                Node::Binary { left, right, .. } | Node::Comparison { left, right, .. } => {
-                    left_to_see.extend([&**left, &**right]);
-                }
-                Node::Name(_) | Node::Number(_) | Node::Quantity { .. } => {}
+                _ => left_to_see.extend(expression.parts()),
             }
         }
         false

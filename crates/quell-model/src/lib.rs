@@ -28,11 +28,17 @@
 #![forbid(unsafe_code)]
 
 mod describe;
+pub mod equations;
 mod form;
 pub mod host;
 pub mod linear;
 pub mod matrix;
 
+pub use equations::{
+    EquationCoordinate, EquationElement, EquationHost, EquationInput, EquationInputKind,
+    EquationOutput, EquationPort, FirstOrderState, HostParameter, Measure, OperatingRange, Symbol,
+    Waveform,
+};
 pub use form::{DevicePart, SignalNames, linear_form};
 pub use host::{Host, HostFile, NamedElement, Override};
 pub use linear::{

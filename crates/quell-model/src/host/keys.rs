@@ -2,6 +2,11 @@
 
 use quell_document::{Key, KeySet, Shape};
 
+pub use crate::equations::keys::{
+    DEFINITIONS, EQUATIONS, FUNCTIONS, HARMONIC, LAGRANGIAN, OPERATING, PULSE, RANDOM, RANGE,
+    SAMPLED, SIGNAL, STATE, STATES, SWEEP,
+};
+
 const TEXTS: Shape = Shape::List(&Shape::Text);
 /// `["xe", "xs", "kr"]`: end points and value in one list.
 const SHORT: Shape = Shape::List(&Shape::Amount);
@@ -10,18 +15,52 @@ const MATRIX: Shape = Shape::AnyOf(&[Shape::Text, Shape::List(&Shape::List(&Shap
 /// A host file.
 pub static HOST: KeySet = KeySet {
     title: "Host file",
-    documentation: "A linear structure: coordinates, what shakes it, what it is made of, where devices can act and what is watched.",
+    documentation: "A structure: coordinates, what shakes it, what it is made of or obeys, where devices can act and what is watched. Either `[linear]` says what it is made of, or its equations are written out: `[equations]` or `[lagrangian]` for the coordinates, `[states]` for what is of first order.",
     keys: &[
         Key::required("quell", Shape::Integer, "Version of the format: 1."),
         Key::optional("title", Shape::Text, "What the host is, for reports."),
+        Key::optional(
+            "dimensionless",
+            Shape::Boolean,
+            "`true`: every number of a host written as equations is plain, and no units are checked; `false` if left out.",
+        ),
         Key::optional("parameters", Shape::Table(&PARAMETERS), "Named quantities."),
-        Key::required(
+        Key::optional(
             "coordinates",
             Shape::Table(&COORDINATES),
-            "The coordinates, in the order of the matrices' rows.",
+            "The coordinates, in the order of the matrices' rows. Needed, unless there are `[states]` alone.",
         ),
         Key::optional("inputs", Shape::Table(&INPUTS), "What shakes the host."),
-        Key::required("linear", Shape::Table(&LINEAR), "What the host is made of."),
+        Key::optional(
+            "linear",
+            Shape::Table(&LINEAR),
+            "What a linear host is made of.",
+        ),
+        Key::optional(
+            "states",
+            Shape::Table(&STATES),
+            "What is of first order, beside the coordinates: each with its rate.",
+        ),
+        Key::optional(
+            "definitions",
+            Shape::Table(&DEFINITIONS),
+            "Named parts of the equations.",
+        ),
+        Key::optional(
+            "functions",
+            Shape::Table(&FUNCTIONS),
+            "Parts of the equations with arguments.",
+        ),
+        Key::optional(
+            "equations",
+            Shape::Table(&EQUATIONS),
+            "The equations of motion, one for each coordinate.",
+        ),
+        Key::optional(
+            "lagrangian",
+            Shape::Table(&LAGRANGIAN),
+            "Energies from which the equations of motion follow, instead of `[equations]`.",
+        ),
         Key::optional(
             "ports",
             Shape::MapOf(&Shape::Table(&PORT)),
@@ -31,6 +70,11 @@ pub static HOST: KeySet = KeySet {
             "outputs",
             Shape::Table(&OUTPUTS),
             "Named combinations of signals.",
+        ),
+        Key::optional(
+            "operating",
+            Shape::Table(&OPERATING),
+            "Ranges of parameters in which the host works.",
         ),
     ],
     others: None,
@@ -63,18 +107,33 @@ pub static COORDINATE: KeySet = KeySet {
     keys: &[
         Key::optional(
             "kind",
-            Shape::Choice(&["translation", "rotation"]),
-            "Displacement (m, the default) or angle (rad).",
+            Shape::Choice(&["translation", "rotation", "number"]),
+            "Displacement (m, the default) or angle (rad); in a host written as equations also a plain number.",
         ),
         Key::optional(
             "mass",
             Shape::Amount,
-            "Mass on a translation, kg; left out: none.",
+            "Of a linear host: mass on a translation, kg; left out: none.",
         ),
         Key::optional(
             "inertia",
             Shape::Amount,
-            "Moment of inertia on a rotation, kg m²; left out: none.",
+            "Of a linear host: moment of inertia on a rotation, kg m²; left out: none.",
+        ),
+        Key::optional(
+            "start",
+            Shape::Amount,
+            "Where a run in time begins; 0 if left out.",
+        ),
+        Key::optional(
+            "rate",
+            Shape::Amount,
+            "The rate at which a run in time begins; 0 if left out.",
+        ),
+        Key::optional(
+            "massless",
+            Shape::Boolean,
+            "Of a host written as equations: `true` where the coordinate's own acceleration is in no equation.",
         ),
     ],
     others: None,
@@ -95,8 +154,14 @@ pub static INPUT: KeySet = KeySet {
     keys: &[
         Key::required(
             "kind",
-            Shape::Choice(&["displacement", "velocity", "acceleration", "force"]),
-            "A prescribed motion, or a force.",
+            Shape::Choice(&[
+                "displacement",
+                "velocity",
+                "acceleration",
+                "force",
+                "number",
+            ]),
+            "A prescribed motion, or a force; in a host written as equations also a plain number. An input's name stands for it as it is given.",
         ),
         Key::optional(
             "motion",
@@ -106,7 +171,17 @@ pub static INPUT: KeySet = KeySet {
         Key::optional(
             "on",
             Shape::AnyOf(&[Shape::Expression, Shape::MapOf(&Shape::Amount)]),
-            "What a force acts on: a coordinate, an expression of coordinates such as `\"x + 0.4 m*theta\"`, or coefficients `{ x1 = 1, x2 = -0.5 }`.",
+            "Of a linear host: what a force acts on: a coordinate, an expression of coordinates such as `\"x + 0.4 m*theta\"`, or coefficients `{ x1 = 1, x2 = -0.5 }`. Equations say it themselves.",
+        ),
+        Key::optional(
+            "unit",
+            Shape::Text,
+            "The unit in which a `number` is given, where it has one.",
+        ),
+        Key::optional(
+            "signal",
+            Shape::Table(&SIGNAL),
+            "What it is in a run in time; left out: zero, unless the run says otherwise.",
         ),
     ],
     others: None,
@@ -287,7 +362,7 @@ pub static RAYLEIGH: KeySet = KeySet {
 /// `[ports.NAME]`.
 pub static PORT: KeySet = KeySet {
     title: "Port",
-    documentation: "One of these.",
+    documentation: "One of `between`, `across` and `at`.",
     keys: &[
         Key::optional(
             "between",
@@ -304,6 +379,11 @@ pub static PORT: KeySet = KeySet {
             Shape::Expression,
             "The one point on which a device hangs that ends in a mass.",
         ),
+        Key::optional(
+            "force",
+            Shape::Text,
+            "In a host written as equations: the symbol by which they name the force of the device, positive where it resists stretching. Left out, the force acts by virtual work: its work on the relative displacement goes to the coordinates.",
+        ),
     ],
     others: None,
 };
@@ -311,7 +391,7 @@ pub static PORT: KeySet = KeySet {
 /// `[outputs]`.
 pub static OUTPUTS: KeySet = KeySet {
     title: "Outputs",
-    documentation: "Sums of signals, each times a constant.",
+    documentation: "Of a linear host sums of signals, each times a constant; otherwise any expression.",
     keys: &[],
     others: Some((
         "NAME",

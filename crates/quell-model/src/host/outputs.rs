@@ -65,20 +65,8 @@ fn signals<'a>(expression: &'a Expression, visit: &mut impl FnMut(&'a str)) {
     while let Some(expression) = left_to_see.pop() {
         match &expression.node {
             Node::Name(name) => visit(name),
-            Node::Number(_) | Node::Quantity { .. } => {}
-            Node::Negate(operand) | Node::Derivative { operand, .. } => left_to_see.push(operand),
-            Node::Binary { left, right, .. } | Node::Comparison { left, right, .. } => {
-                left_to_see.extend([&**left, &**right]);
-            }
-            Node::Call {
-                function,
-                arguments,
-                ..
-            } => {
-                if !matches!(function.as_str(), "force" | "stroke") {
-                    left_to_see.extend(arguments);
-                }
-            }
+            Node::Call { function, .. } if matches!(function.as_str(), "force" | "stroke") => {}
+            _ => left_to_see.extend(expression.parts()),
         }
     }
 }
