@@ -355,18 +355,23 @@ fn move_spans(expression: &mut Expression, place: impl Fn(Span) -> Span) {
         expression.span = place(expression.span);
         match &mut expression.node {
             Operation::Number(_) | Operation::Quantity { .. } | Operation::Name(_) => {}
-            Operation::Negate(operand) | Operation::Derivative { operand, .. } => {
-                left.push(operand);
-            }
+            Operation::Negate(operand)
+            | Operation::Not(operand)
+            | Operation::Derivative { operand, .. } => left.push(operand),
             Operation::Binary {
                 left: a, right: b, ..
             }
             | Operation::Comparison {
                 left: a, right: b, ..
-            } => {
-                left.push(a);
-                left.push(b);
             }
+            | Operation::Logic {
+                left: a, right: b, ..
+            } => left.extend([&mut **a, &mut **b]),
+            Operation::Choice {
+                condition,
+                then,
+                otherwise,
+            } => left.extend([&mut **condition, &mut **then, &mut **otherwise]),
             Operation::Call {
                 function_span,
                 arguments,

@@ -262,23 +262,16 @@ fn choices_suggest_the_nearest() {
 /// Every name in the expression with the text its span covers in the file.
 fn names<'t>(text: &'t str, expression: &Expression, found: &mut Vec<(String, &'t str)>) {
     match &expression.node {
-        Node::Number(_) | Node::Quantity { .. } => {}
         Node::Name(name) => found.push((name.clone(), slice(text, expression.span))),
-        Node::Negate(operand) | Node::Derivative { operand, .. } => names(text, operand, found),
-        Node::Binary { left, right, .. } | Node::Comparison { left, right, .. } => {
-            names(text, left, found);
-            names(text, right, found);
-        }
         Node::Call {
             function,
             function_span,
-            arguments,
-        } => {
-            found.push((function.clone(), slice(text, *function_span)));
-            for argument in arguments {
-                names(text, argument, found);
-            }
-        }
+            ..
+        } => found.push((function.clone(), slice(text, *function_span))),
+        _ => {}
+    }
+    for part in expression.parts() {
+        names(text, part, found);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Values of expressions, with their dimensions checked.
 
-use crate::expression::{BinaryOperator, Expression, Node};
+use crate::expression::{BinaryOperator, ComparisonOperator, Expression, LogicalOperator, Node};
 use crate::{Dimension, ExpressionError, Function, Quantity, Scope, Span, nearest};
 
 impl Expression {
@@ -54,9 +54,96 @@ impl Expression {
                     ExpressionError::new(span, message)
                 })
             }
-            Node::Derivative { .. } | Node::Comparison { .. } => Err(no_value(self)),
+            Node::Choice {
+                condition,
+                then,
+                otherwise,
+            } => {
+                let (chosen, other) = if condition.holds(scope)? {
+                    (then, otherwise)
+                } else {
+                    (otherwise, then)
+                };
+                let value = chosen.evaluate(scope)?;
+                // The other may have no value here, as 1/x at zero; where it has one, its unit must fit.
+                if let Ok(unused) = other.evaluate(scope)
+                    && !value.dimension.agrees(&unused.dimension)
+                {
+                    return Err(unlike_branches(
+                        other.span,
+                        unused.dimension,
+                        value.dimension,
+                    ));
+                }
+                Ok(value)
+            }
+            Node::Derivative { .. }
+            | Node::Comparison { .. }
+            | Node::Logic { .. }
+            | Node::Not(_) => Err(no_value(self)),
         }
     }
+
+    /// Whether a condition holds.
+    ///
+    /// # Errors
+    /// As [`Self::evaluate`], and for what is no condition.
+    pub fn holds(&self, scope: &dyn Scope) -> Result<bool, ExpressionError> {
+        match &self.node {
+            Node::Comparison {
+                operator,
+                left,
+                right,
+            } => {
+                let (a, b) = (left.evaluate(scope)?, right.evaluate(scope)?);
+                if !a.dimension.agrees(&b.dimension) {
+                    return Err(unlike_sides(right.span, b.dimension, a.dimension));
+                }
+                Ok(match operator {
+                    ComparisonOperator::Less => a.value < b.value,
+                    ComparisonOperator::LessOrEqual => a.value <= b.value,
+                    ComparisonOperator::Greater => a.value > b.value,
+                    ComparisonOperator::GreaterOrEqual => a.value >= b.value,
+                    ComparisonOperator::Equal => a.value == b.value,
+                    ComparisonOperator::NotEqual => a.value != b.value,
+                })
+            }
+            Node::Logic { .. } => {
+                let (first, operations) = self.logic_chain();
+                let mut holds = first.holds(scope)?;
+                for (operator, right) in operations.into_iter().rev() {
+                    let other = right.holds(scope)?;
+                    holds = match operator {
+                        LogicalOperator::And => holds && other,
+                        LogicalOperator::Or => holds || other,
+                    };
+                }
+                Ok(holds)
+            }
+            Node::Not(operand) => Ok(!operand.holds(scope)?),
+            _ => Err(no_condition(self)),
+        }
+    }
+}
+
+/// The error for branches of unlike dimension.
+pub(crate) fn unlike_branches(span: Span, found: Dimension, other: Dimension) -> ExpressionError {
+    ExpressionError::new(span, format!("one branch is {found}, the other {other}"))
+}
+
+/// The error for a comparison of unlike dimensions.
+pub(crate) fn unlike_sides(span: Span, found: Dimension, other: Dimension) -> ExpressionError {
+    ExpressionError::new(span, format!("cannot compare {other} with {found}"))
+}
+
+/// The error for a value where a condition belongs.
+pub(crate) fn no_condition(expression: &Expression) -> ExpressionError {
+    let text = expression.excerpt();
+    ExpressionError::new(
+        expression.span,
+        format!("`{text}` is a value, where a condition is expected"),
+    )
+    .with_help("a condition compares, such as `x > 0`")
 }
 
 fn finite(expression: &Expression, quantity: Quantity) -> Result<Quantity, ExpressionError> {
@@ -102,10 +189,14 @@ pub(crate) fn not_finite(expression: &Expression) -> ExpressionError {
 /// The error for an expression that has no value by itself.
 pub(crate) fn no_value(expression: &Expression) -> ExpressionError {
     let text = expression.excerpt();
-    let message = if matches!(expression.node, Node::Derivative { .. }) {
-        format!("`{text}` is a time derivative, and nothing here varies in time")
-    } else {
-        format!("`{text}` is a comparison, where a number is expected")
+    let message = match expression.node {
+        Node::Derivative { .. } => {
+            format!("`{text}` is a time derivative, and nothing here varies in time")
+        }
+        Node::Logic { .. } | Node::Not(_) => {
+            format!("`{text}` is a condition, where a number is expected")
+        }
+        _ => format!("`{text}` is a comparison, where a number is expected"),
     };
     ExpressionError::new(expression.span, message)
 }

@@ -47,6 +47,26 @@ pub enum Node {
         /// Second operand.
         right: Box<Expression>,
     },
+    /// Two conditions.
+    Logic {
+        /// Which.
+        operator: LogicalOperator,
+        /// First condition.
+        left: Box<Expression>,
+        /// Second condition.
+        right: Box<Expression>,
+    },
+    /// The opposite of a condition.
+    Not(Box<Expression>),
+    /// One of two values: `if x > 0 then k*x else 0`.
+    Choice {
+        /// What decides.
+        condition: Box<Expression>,
+        /// The value where it holds.
+        then: Box<Expression>,
+        /// The value elsewhere.
+        otherwise: Box<Expression>,
+    },
     /// A function of arguments.
     Call {
         /// Name of the function.
@@ -126,11 +146,35 @@ impl ComparisonOperator {
     }
 }
 
+/// What joins conditions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LogicalOperator {
+    /// Both.
+    And,
+    /// At least one.
+    Or,
+}
+
+impl LogicalOperator {
+    /// As it is written.
+    #[must_use]
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::And => "and",
+            Self::Or => "or",
+        }
+    }
+}
+
+/// Words of the language, which name nothing else.
+pub(crate) const RESERVED: [&str; 6] = ["if", "then", "else", "and", "or", "not"];
+
 impl Expression {
     /// Reads an expression.
     ///
-    /// In order of binding, loosest first: comparisons, `+ -`, `* /`, unary `-`, `^` (from the right, so that `2^3^2` is
-    /// 2⁹ and `-2^2` is -4), postfix `'` (time derivative).
+    /// In order of binding, loosest first: `if … then … else …` (which reaches as far as it can, and stands in
+    /// parentheses inside a sum or product), `or`, `and`, `not`, comparisons, `+ -`, `* /`, unary `-`, `^` (from the right, so that `2^3^2` is
+    /// 2⁹ and `-2^2` is -4), postfix `'` (time derivative of a name, a call or a parenthesis).
     ///
     /// A number directly followed by a unit word (or by `1/` and one: `0.5 1/s`) is a quantity. Its unit goes on over
     /// `*`, `/`, `^` and parentheses while unit words follow, so `1.05e8 kg/(s*m^4)` is one quantity, but in
@@ -145,6 +189,14 @@ impl Expression {
         crate::parser::parse(text)
     }
 
+    /// Reads an equation, `left = right`.
+    ///
+    /// # Errors
+    /// At the character: what was expected and what was found.
+    pub fn parse_equation(text: &str) -> Result<(Self, Self), ExpressionError> {
+        crate::parser::parse_equation(text)
+    }
+
     /// An expression that is not in a text.
     #[must_use]
     pub const fn bare(node: Node) -> Self {
@@ -154,21 +206,31 @@ impl Expression {
         }
     }
 
+    /// The parts that it is directly made of, from left to right.
+    #[must_use]
+    pub fn parts(&self) -> Vec<&Self> {
+        match &self.node {
+            Node::Number(_) | Node::Quantity { .. } | Node::Name(_) => Vec::new(),
+            Node::Negate(operand) | Node::Not(operand) | Node::Derivative { operand, .. } => {
+                vec![operand]
+            }
+            Node::Binary { left, right, .. }
+            | Node::Comparison { left, right, .. }
+            | Node::Logic { left, right, .. } => vec![left, right],
+            Node::Choice {
+                condition,
+                then,
+                otherwise,
+            } => vec![condition, then, otherwise],
+            Node::Call { arguments, .. } => arguments.iter().collect(),
+        }
+    }
+
     /// Every part, itself first.
     pub fn walk(&self, visit: &mut impl FnMut(&Self)) {
         visit(self);
-        match &self.node {
-            Node::Number(_) | Node::Quantity { .. } | Node::Name(_) => {}
-            Node::Negate(operand) | Node::Derivative { operand, .. } => operand.walk(visit),
-            Node::Binary { left, right, .. } | Node::Comparison { left, right, .. } => {
-                left.walk(visit);
-                right.walk(visit);
-            }
-            Node::Call { arguments, .. } => {
-                for argument in arguments {
-                    argument.walk(visit);
-                }
-            }
+        for part in self.parts() {
+            part.walk(visit);
         }
     }
 
@@ -184,31 +246,34 @@ impl Expression {
         (first, operations)
     }
 
+    /// The first condition of a chain such as a and b or c, and what is joined to it from the last to the first.
+    pub(crate) fn logic_chain(&self) -> (&Self, Vec<(LogicalOperator, &Self)>) {
+        let (mut first, mut operations) = (self, Vec::new());
+        while let Node::Logic {
+            operator,
+            left,
+            right,
+        } = &first.node
+        {
+            operations.push((*operator, &**right));
+            first = left;
+        }
+        (first, operations)
+    }
+
     /// The names in it, each once, in the order of first use.
     #[must_use]
     pub fn names(&self) -> Vec<&str> {
-        fn collect<'a>(expression: &'a Expression, names: &mut Vec<&'a str>) {
-            match &expression.node {
-                Node::Name(name) => {
-                    if !names.contains(&name.as_str()) {
-                        names.push(name);
-                    }
-                }
-                Node::Number(_) | Node::Quantity { .. } => {}
-                Node::Negate(operand) | Node::Derivative { operand, .. } => collect(operand, names),
-                Node::Binary { left, right, .. } | Node::Comparison { left, right, .. } => {
-                    collect(left, names);
-                    collect(right, names);
-                }
-                Node::Call { arguments, .. } => {
-                    for argument in arguments {
-                        collect(argument, names);
-                    }
-                }
+        let mut names: Vec<&str> = Vec::new();
+        let mut left_to_see = vec![self];
+        while let Some(expression) = left_to_see.pop() {
+            if let Node::Name(name) = &expression.node
+                && !names.contains(&name.as_str())
+            {
+                names.push(name);
             }
+            left_to_see.extend(expression.parts().into_iter().rev());
         }
-        let mut names = Vec::new();
-        collect(self, &mut names);
         names
     }
 
@@ -242,6 +307,25 @@ impl Expression {
                 left: boxed(left),
                 right: boxed(right),
             },
+            Node::Logic {
+                operator,
+                left,
+                right,
+            } => Node::Logic {
+                operator: *operator,
+                left: boxed(left),
+                right: boxed(right),
+            },
+            Node::Not(operand) => Node::Not(boxed(operand)),
+            Node::Choice {
+                condition,
+                then,
+                otherwise,
+            } => Node::Choice {
+                condition: boxed(condition),
+                then: boxed(then),
+                otherwise: boxed(otherwise),
+            },
             Node::Call {
                 function,
                 function_span,
@@ -264,6 +348,12 @@ impl Expression {
     /// How tightly it binds.
     const fn binding(&self) -> Binding {
         match &self.node {
+            Node::Choice { .. } => Binding::Choice,
+            Node::Logic { operator, .. } => match operator {
+                LogicalOperator::Or => Binding::Or,
+                LogicalOperator::And => Binding::And,
+            },
+            Node::Not(_) => Binding::Not,
             Node::Comparison { .. } => Binding::Comparison,
             Node::Binary { operator, .. } => match operator {
                 BinaryOperator::Add | BinaryOperator::Subtract => Binding::Sum,
@@ -322,6 +412,35 @@ impl Expression {
                 formatter.write_str(" ")?;
                 right.write_at(formatter, Binding::Sum)
             }
+            Node::Logic {
+                operator,
+                left,
+                right,
+            } => {
+                let (before, after) = match operator {
+                    LogicalOperator::Or => (Binding::Or, Binding::And),
+                    LogicalOperator::And => (Binding::And, Binding::Not),
+                };
+                left.write_at(formatter, before)?;
+                write!(formatter, " {} ", operator.symbol())?;
+                right.write_at(formatter, after)
+            }
+            Node::Not(operand) => {
+                formatter.write_str("not ")?;
+                operand.write_at(formatter, Binding::Not)
+            }
+            Node::Choice {
+                condition,
+                then,
+                otherwise,
+            } => {
+                formatter.write_str("if ")?;
+                condition.write_at(formatter, Binding::Or)?;
+                formatter.write_str(" then ")?;
+                then.write(formatter)?;
+                formatter.write_str(" else ")?;
+                otherwise.write(formatter)
+            }
             Node::Call {
                 function,
                 arguments,
@@ -361,6 +480,10 @@ impl Expression {
 /// How tightly an expression binds, loosest first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
+    Choice,
+    Or,
+    And,
+    Not,
     Comparison,
     Sum,
     /// What ends in a unit, which would swallow units that a product puts after it.

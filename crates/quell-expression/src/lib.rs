@@ -28,11 +28,12 @@ mod unit;
 
 pub use dimension::Dimension;
 pub use evaluate::unknown_name;
-pub use expression::{BinaryOperator, ComparisonOperator, Expression, Node};
+pub use expression::{BinaryOperator, ComparisonOperator, Expression, LogicalOperator, Node};
 pub use function::Function;
 pub use graph::{Condition, Differentiation, Graph};
 pub use nearest::nearest;
 pub use operation::Slot;
+pub use parser::{Argument, Signature};
 pub use program::{BatchWorkspace, LANES, Program, Workspace};
 pub use quantity::{NoNames, Quantity, Scope};
 pub use span::{ExpressionError, Span};

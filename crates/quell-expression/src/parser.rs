@@ -1,10 +1,13 @@
 //! The parser of expressions: recursive descent over characters, with a bound on depth.
 
+mod logic;
+mod signature;
 mod units;
 
+pub use signature::{Argument, Signature};
 pub(crate) use units::parse_unit;
 
-use crate::expression::{BinaryOperator, ComparisonOperator, Expression, Node};
+use crate::expression::{BinaryOperator, ComparisonOperator, Expression, Node, RESERVED};
 use crate::{ExpressionError, Span};
 
 /// Parentheses, calls and signs may be nested so deeply; no text can overflow the stack.
@@ -15,9 +18,26 @@ const CHAIN: usize = 2000;
 
 pub(crate) fn parse(text: &str) -> Result<Expression, ExpressionError> {
     let mut parser = Parser::new(text);
-    let expression = parser.comparison()?;
+    let expression = parser.expression()?;
     parser.end("an operator or the end")?;
     Ok(expression)
+}
+
+pub(crate) fn parse_equation(text: &str) -> Result<(Expression, Expression), ExpressionError> {
+    let mut parser = Parser::new(text);
+    parser.equation = true;
+    let left = parser.expression()?;
+    if !parser.take("=") {
+        let error = parser.expected("an operator or `=`");
+        return Err(match error.help {
+            Some(_) => error,
+            None => error.with_help("an equation has two sides: `left = right`"),
+        });
+    }
+    parser.equation = false;
+    let right = parser.expression()?;
+    parser.end("an operator or the end")?;
+    Ok((left, right))
 }
 
 struct Parser<'a> {
@@ -25,6 +45,8 @@ struct Parser<'a> {
     position: usize,
     depth: usize,
     operations: usize,
+    /// Whether a bare `=` may follow, which ends the left side of an equation.
+    equation: bool,
 }
 
 fn starts_name(character: char) -> bool {
@@ -42,6 +64,7 @@ impl<'a> Parser<'a> {
             position: 0,
             depth: 0,
             operations: 0,
+            equation: false,
         }
     }
 
@@ -110,6 +133,8 @@ impl<'a> Parser<'a> {
             Some('(') => {
                 error.with_help("a product is written `*`, and a function's name stands before `(`")
             }
+            _ if self.reserved() == Some("if") => error
+                .with_help("within an operation it stands in parentheses: `(if … then … else …)`"),
             Some('<' | '>') => error.with_help("a comparison has two sides, such as `x <= 5`"),
             _ => error,
         }
@@ -176,7 +201,7 @@ impl<'a> Parser<'a> {
                 return Ok(Expression { node, span });
             }
         }
-        if self.peek() == Some('=') {
+        if self.peek() == Some('=') && !(self.equation && self.depth == 0) {
             return Err(self.expected("`<=`, `>=` or `==`"));
         }
         Ok(left)
@@ -278,7 +303,7 @@ impl<'a> Parser<'a> {
             Some('(') => {
                 let start = self.position;
                 self.position += 1;
-                let inner = self.deeper(Self::comparison)?;
+                let inner = self.deeper(Self::expression)?;
                 if !self.take(")") {
                     let error = self.expected("an operator or `)`");
                     let before = self.text.get(..start).unwrap_or("").chars().count();
@@ -296,7 +321,7 @@ impl<'a> Parser<'a> {
                 })
             }
             Some(first) if first.is_ascii_digit() || first == '.' => self.number(),
-            Some(first) if starts_name(first) => self.name(),
+            Some(first) if starts_name(first) && self.reserved().is_none() => self.name(),
             _ => Err(self.expected("a number, a name or `(`")),
         }
     }
@@ -395,7 +420,7 @@ impl<'a> Parser<'a> {
         if !self.take(")") {
             loop {
                 self.counted()?;
-                arguments.push(self.deeper(Self::comparison)?);
+                arguments.push(self.deeper(Self::expression)?);
                 if self.take(")") {
                     break;
                 }

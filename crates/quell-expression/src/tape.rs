@@ -1,8 +1,8 @@
 //! Tapes: many expressions over the same inputs, evaluated together with their exact derivatives.
 
-use crate::evaluate::{look_up, no_value, not_finite, unknown_name};
+use crate::evaluate::{look_up, no_condition, no_value, not_finite, unknown_name};
 use crate::expression::{BinaryOperator, Expression, Node};
-use crate::graph::Graph;
+use crate::graph::{Condition, Graph};
 use crate::operation::{Operation, Slot};
 use crate::{ExpressionError, Function, Quantity, Scope};
 
@@ -12,6 +12,8 @@ pub struct TapeBuilder {
     inputs: Vec<String>,
     graph: Graph,
     outputs: Vec<Slot>,
+    /// Whether the part at hand belongs to a branch, which may never be taken.
+    in_branch: bool,
 }
 
 /// Expressions over named real inputs, compiled: every sub-expression is computed once, for values and derivatives alike.
@@ -51,6 +53,7 @@ impl TapeBuilder {
             inputs: inputs.to_vec(),
             graph: Graph::default(),
             outputs: Vec::new(),
+            in_branch: false,
         }
     }
 
@@ -125,15 +128,60 @@ impl TapeBuilder {
                     .collect::<Result<Vec<_>, _>>()?;
                 self.call(function, &slots)
             }
-            Node::Derivative { .. } | Node::Comparison { .. } => return Err(no_value(expression)),
+            Node::Choice {
+                condition,
+                then,
+                otherwise,
+            } => {
+                let condition = self.condition(condition, constants)?;
+                let outer = std::mem::replace(&mut self.in_branch, true);
+                let branches = self
+                    .part(then, constants)
+                    .and_then(|then| Ok((then, self.part(otherwise, constants)?)));
+                self.in_branch = outer;
+                let (then, otherwise) = branches?;
+                self.graph.choose(&condition, then, otherwise)
+            }
+            Node::Derivative { .. }
+            | Node::Comparison { .. }
+            | Node::Logic { .. }
+            | Node::Not(_) => return Err(no_value(expression)),
         };
         self.finite(expression, slot)
+    }
+
+    fn condition(
+        &mut self,
+        expression: &Expression,
+        constants: &dyn Scope,
+    ) -> Result<Condition, ExpressionError> {
+        match &expression.node {
+            Node::Comparison {
+                operator,
+                left,
+                right,
+            } => {
+                let left = self.part(left, constants)?;
+                let right = self.part(right, constants)?;
+                Ok(Condition::of(*operator, left, right))
+            }
+            Node::Logic { .. } => {
+                let (first, operations) = expression.logic_chain();
+                let mut condition = self.condition(first, constants)?;
+                for (operator, right) in operations.into_iter().rev() {
+                    condition = condition.joined(operator, self.condition(right, constants)?);
+                }
+                Ok(condition)
+            }
+            Node::Not(operand) => Ok(self.condition(operand, constants)?.negated()),
+            _ => Err(no_condition(expression)),
+        }
     }
 
     /// Refuses a constant that is infinite or not a number.
     fn finite(&self, expression: &Expression, slot: Slot) -> Result<Slot, ExpressionError> {
         match self.graph.as_constant(slot) {
-            Some(value) if !value.is_finite() => Err(not_finite(expression)),
+            Some(value) if !value.is_finite() && !self.in_branch => Err(not_finite(expression)),
             _ => Ok(slot),
         }
     }
@@ -182,6 +230,7 @@ impl TapeBuilder {
             inputs,
             mut graph,
             outputs,
+            ..
         } = self;
         let columns: Vec<usize> = (0..inputs.len()).collect();
         let entries: Vec<(usize, Slot)> = graph

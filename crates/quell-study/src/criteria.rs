@@ -231,6 +231,13 @@ fn split(
                 ),
             });
         }
+        Node::Logic { .. } | Node::Not(_) | Node::Choice { .. } => {
+            return Err(ExpressionError {
+                span: expression.span,
+                message: "a criterion is a number, without conditions".to_owned(),
+                help: Some("`min` and `max` choose between numbers".to_owned()),
+            });
+        }
         Node::Derivative { .. } if context.signal(expression).is_ok() => return Err(varies()),
         Node::Call { function, .. }
             if matches!(function.as_str(), "force" | "stroke")

@@ -1,6 +1,7 @@
 //! Conditions on values of a graph.
 
 use crate::operation::Slot;
+use crate::{ComparisonOperator, LogicalOperator};
 
 /// What decides between two expressions, see [`Graph::choose`](crate::Graph::choose).
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -20,6 +21,28 @@ pub enum Condition {
 }
 
 impl Condition {
+    /// A comparison of two values.
+    #[must_use]
+    pub fn of(operator: ComparisonOperator, left: Slot, right: Slot) -> Self {
+        match operator {
+            ComparisonOperator::Less => Self::Less(left, right),
+            ComparisonOperator::LessOrEqual => Self::LessOrEqual(left, right),
+            ComparisonOperator::Greater => Self::Less(right, left),
+            ComparisonOperator::GreaterOrEqual => Self::LessOrEqual(right, left),
+            ComparisonOperator::Equal => Self::Equal(left, right),
+            ComparisonOperator::NotEqual => Self::Equal(left, right).negated(),
+        }
+    }
+
+    /// This and, or or, another.
+    #[must_use]
+    pub fn joined(self, operator: LogicalOperator, other: Self) -> Self {
+        match operator {
+            LogicalOperator::And => self.and(other),
+            LogicalOperator::Or => self.or(other),
+        }
+    }
+
     /// The opposite.
     #[must_use]
     pub fn negated(self) -> Self {

@@ -35,7 +35,7 @@ impl Parser<'_> {
         let follows = match self.peek() {
             Some('%') => true,
             Some('1') => self.reciprocal_follows(),
-            Some(first) if starts_name(first) => {
+            Some(first) if starts_name(first) && self.reserved().is_none() => {
                 self.refuse_product(number)?;
                 true
             }

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use quell_expression::{
-    BinaryOperator, ComparisonOperator, Dimension, Expression, Node, Quantity, Span,
+    BinaryOperator, ComparisonOperator, Dimension, Expression, NoNames, Node, Quantity, Signature,
+    Span,
 };
 
 use super::{quantity, value};
@@ -148,5 +149,112 @@ fn comparisons_are_loosest() {
             matches!(expression.node, Node::Comparison { operator, .. } if operator == expected),
             "{text}"
         );
+    }
+}
+
+#[test]
+fn choices_and_conditions() {
+    for (text, expected) in [
+        ("if 2 > 1 then 3 else 4", 3.0),
+        ("if 2 > 1 and not 1 > 2 then 3 else 4", 3.0),
+        (
+            "if 1 > 2 or 2 <= 1 then 3 else if 1 != 1 then 5 else 6 + 1",
+            7.0,
+        ),
+        ("1 + (if 1 == 1 then 3 else 4)*2", 7.0),
+        ("if 1 > 2 then 1/0 else 5", 5.0),
+        ("if 1 > 2 or 1 < 2 and 3 < 2 then 1 else 0", 0.0),
+        ("if(1 < 2)then(1)else(0)", 1.0),
+        ("if 5 m > 3 ft then 1 else 0", 1.0),
+        ("if 1 < 2 then 5 else 4 m*0", 5.0),
+    ] {
+        let found = Expression::parse(text).and_then(|read| read.evaluate(&NoNames));
+        if text.ends_with("m*0") {
+            assert_eq!(
+                found.unwrap_err().message,
+                "one branch is m, the other a plain number"
+            );
+        } else {
+            assert_eq!(found.unwrap().value, expected, "{text}");
+        }
+    }
+    for (text, message, help) in [
+        (
+            "2*if x > 0 then 1 else 0",
+            "expected a number, a name or `(`, found `if`",
+            Some("within an operation it stands in parentheses: `(if … then … else …)`"),
+        ),
+        (
+            "if x > 0 then 1",
+            "expected `else` or an operator, found the end",
+            Some("a choice is written `if … then … else …`"),
+        ),
+        (
+            "if x > 0 or then 1 else 2",
+            "expected a number, a name or `(`, found `then`",
+            None,
+        ),
+        (
+            "x and",
+            "expected a number, a name or `(`, found the end",
+            None,
+        ),
+    ] {
+        let error = Expression::parse(text).unwrap_err();
+        assert_eq!(
+            (error.message.as_str(), error.help.as_deref()),
+            (message, help),
+            "{text}"
+        );
+    }
+    let error = Expression::parse("if 1 then 2 else 3")
+        .unwrap()
+        .evaluate(&NoNames)
+        .unwrap_err();
+    assert_eq!(
+        error.message,
+        "`1` is a value, where a condition is expected"
+    );
+}
+
+#[test]
+fn equations_have_two_sides() {
+    let (left, right) =
+        Expression::parse_equation("m*x'' + (if x == 0 then c else k)*x = F").unwrap();
+    assert_eq!(
+        (left.to_string().as_str(), right.to_string().as_str()),
+        ("m*x'' + (if x == 0 then c else k)*x", "F")
+    );
+    for (text, message) in [
+        ("m*x''", "expected an operator or `=`, found the end"),
+        ("a = b = c", "expected `<=`, `>=` or `==`, found `=`"),
+        ("(a = b)", "expected `<=`, `>=` or `==`, found `=`"),
+    ] {
+        assert_eq!(
+            Expression::parse_equation(text).unwrap_err().message,
+            message
+        );
+    }
+}
+
+#[test]
+fn signatures_name_functions_and_arguments() {
+    let signature = Signature::parse(" F ( side, lam ) ").unwrap();
+    assert_eq!((signature.name.as_str(), signature.span.start), ("F", 1));
+    let arguments: Vec<_> = signature
+        .arguments
+        .iter()
+        .map(|one| (one.name.as_str(), one.span.start))
+        .collect();
+    assert_eq!(arguments, [("side", 5), ("lam", 11)]);
+    for (text, message) in [
+        ("F", "expected `(`, found the end"),
+        ("F()", "expected the name of an argument, found `)`"),
+        ("F(x, x)", "`x` is an argument already"),
+        ("sin(x)", "`sin` is a function of the language"),
+        ("F(if)", "expected the name of an argument, found `if`"),
+        ("F(x) + 1", "expected the end, found `+`"),
+    ] {
+        assert_eq!(Signature::parse(text).unwrap_err().message, message);
     }
 }

@@ -1,7 +1,9 @@
 //! Random expression trees such as the parser makes: no negative numbers, no empty names.
 
 use proptest::prelude::*;
-use quell_expression::{BinaryOperator, ComparisonOperator, Expression, Node, Span, Unit};
+use quell_expression::{
+    BinaryOperator, ComparisonOperator, Expression, LogicalOperator, Node, Span, Unit,
+};
 
 pub(crate) const UNITS: [&str; 10] = [
     "N",
@@ -105,6 +107,14 @@ pub(crate) fn tree() -> impl Strategy<Value = Expression> {
             1 => (comparison, inner.clone(), inner.clone()).prop_map(|(operator, left, right)| {
                 bare(Node::Comparison { operator, left: boxed(left), right: boxed(right) })
             }),
+            1 => (prop::sample::select(vec![LogicalOperator::And, LogicalOperator::Or]), inner.clone(), inner.clone())
+                .prop_map(|(operator, left, right)| {
+                    bare(Node::Logic { operator, left: boxed(left), right: boxed(right) })
+                }),
+            1 => inner.clone().prop_map(|operand| bare(Node::Not(boxed(operand)))),
+            1 => (inner.clone(), inner.clone(), inner.clone()).prop_map(|(condition, then, otherwise)| {
+                bare(Node::Choice { condition: boxed(condition), then: boxed(then), otherwise: boxed(otherwise) })
+            }),
             2 => (prop::sample::select(UNARY.to_vec()), prop::collection::vec(inner, 0..4))
                 .prop_map(|(function, arguments)| call(function, arguments)),
         ]
@@ -127,6 +137,14 @@ pub(crate) fn differentiable() -> impl Strategy<Value = Expression> {
             }),
             4 => (prop::sample::select(UNARY[..15].to_vec()), inner.clone())
                 .prop_map(|(function, argument)| call(function, vec![argument])),
+            1 => (two(), two()).prop_map(|((a, b), (then, otherwise))| {
+                let condition = Node::Comparison { operator: ComparisonOperator::Less, left: boxed(a), right: boxed(b) };
+                bare(Node::Choice {
+                    condition: boxed(bare(condition)),
+                    then: boxed(then),
+                    otherwise: boxed(otherwise),
+                })
+            }),
             2 => (prop::sample::select(vec!["min", "max", "hypot", "atan2"]), two())
                 .prop_map(|(function, (a, b))| call(function, vec![a, b])),
         ]

@@ -19,7 +19,7 @@ fn scraps() -> impl Strategy<Value = String> {
     let scraps = [
         "x", "m", "s", "kg", "1", "2.5", "1e3", ".", "1_0", " ", " ", "+", "-", "*", "/", "^", "(",
         ")", "(", ")", ",", "'", "<", "<=", "=", "==", "!", "max(", "sin(", "1/s", "%", "µm", "Hz",
-        "a.b", "**", "·", "é", "²", "\u{301}",
+        "a.b", "**", "·", "é", "²", "\u{301}", "if ", " then ", " else ", " and ", " or ", "not ",
     ];
     prop::collection::vec(prop::sample::select(scraps.to_vec()), 0..40)
         .prop_map(|parts| parts.concat())
