@@ -33,6 +33,7 @@ mod form;
 pub mod host;
 pub mod linear;
 pub mod matrix;
+pub mod system;
 
 pub use equations::{
     EquationCoordinate, EquationElement, EquationHost, EquationInput, EquationInputKind,

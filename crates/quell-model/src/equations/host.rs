@@ -218,7 +218,7 @@ pub struct EquationElement {
 /// force F of a device resists the motion it is stretched by, and F x' is power into the device.
 ///
 /// All expressions are in one [`Graph`], whose inputs are [`symbols`](Self::symbols).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct EquationHost {
     /// The title, or the file's name.
     pub name: String,

@@ -1,0 +1,3 @@
+//! A host with devices as one system of first-order equations, compiled.
+
+mod structure;
