@@ -255,11 +255,16 @@ fn named(name: &str, span: Span, scope: &dyn Scope) -> Result<Quantity, Expressi
 /// The error for a name that stands for nothing, with the nearest that does.
 #[must_use]
 pub fn unknown_name(name: &str, span: Span, scope: &dyn Scope) -> ExpressionError {
+    unknown_name_among(name, span, scope.names())
+}
+
+/// The error for a name that stands for nothing, where others do.
+pub(crate) fn unknown_name_among(name: &str, span: Span, names: Vec<&str>) -> ExpressionError {
     let error = ExpressionError::new(span, format!("unknown name `{name}`"));
     if Function::from_name(name).is_some() {
         return error.with_help(format!("`{name}` is a function: `{name}(…)`"));
     }
-    match nearest(name, scope.names()) {
+    match nearest(name, names) {
         Some(near) => error.with_help(format!("did you mean `{near}`?")),
         None if crate::unit::look_up(name).is_some() => error.with_help(format!(
             "`{name}` is a unit, which stands directly after a number: `5 {name}`"
@@ -270,10 +275,23 @@ pub fn unknown_name(name: &str, span: Span, scope: &dyn Scope) -> ExpressionErro
 
 /// The function of a name, with as many arguments.
 pub(crate) fn look_up(name: &str, span: Span, count: usize) -> Result<Function, ExpressionError> {
+    look_up_among(name, span, count, Vec::new())
+}
+
+/// The function of a name, with as many arguments, where there are others of the user's.
+pub(crate) fn look_up_among(
+    name: &str,
+    span: Span,
+    count: usize,
+    others: Vec<&str>,
+) -> Result<Function, ExpressionError> {
     let Some(function) = Function::from_name(name) else {
         let error = ExpressionError::new(span, format!("unknown function `{name}`"));
         return Err(
-            match nearest(name, Function::ALL.iter().map(|(known, _)| *known)) {
+            match nearest(
+                name,
+                Function::ALL.iter().map(|(known, _)| *known).chain(others),
+            ) {
                 Some(near) => error.with_help(format!("did you mean `{near}`?")),
                 None => error,
             },

@@ -27,7 +27,7 @@ pub enum Differentiation {
 /// has the bits that evaluating the expression gives. 0·x stays, since x may be infinite; a derivative that is zero by
 /// structure is none at all.
 ///
-/// Values are SI and have no dimension here; lowering checks dimensions. Points outside a function's
+/// Values are SI and have no dimension here; [`lower`](crate::lower()) checks dimensions. Points outside a function's
 /// domain give not-a-number or infinity. A slot of another graph reads as not-a-number or as whatever stands there:
 /// no call panics.
 ///

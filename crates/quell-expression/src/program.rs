@@ -105,9 +105,10 @@ impl Program {
             level,
             |index| [inputs.get(index).copied().unwrap_or(f64::NAN)],
             workspace,
-            |[value]| match outputs.next() {
-                Some(output) => *output = value,
-                None => {}
+            |[value]| {
+                if let Some(output) = outputs.next() {
+                    *output = value;
+                }
             },
         );
     }
@@ -137,9 +138,10 @@ impl Program {
             level,
             |index| inputs.get(index).copied().unwrap_or([f64::NAN; LANES]),
             workspace,
-            |values| match outputs.next() {
-                Some(output) => *output = values,
-                None => {}
+            |values| {
+                if let Some(output) = outputs.next() {
+                    *output = values;
+                }
             },
         );
     }

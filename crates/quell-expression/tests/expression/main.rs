@@ -9,6 +9,7 @@
 mod chain;
 mod derivative;
 mod grammar;
+mod lowering;
 mod message;
 mod program;
 mod random;
