@@ -4,13 +4,18 @@
 //! that holds residuals, rates, across-variables and outputs over [`Symbol`]s. [`EquationHost::from_linear`] does the same
 //! for a linear host, so that both kinds go through one door.
 
+mod amounts;
 mod host;
 pub(crate) mod keys;
+mod linear;
 mod random;
 mod samples;
+mod series;
+pub(crate) mod signal;
 mod vocabulary;
 mod waveform;
 
+pub(crate) use amounts::Amounts;
 pub use host::{
     EquationCoordinate, EquationElement, EquationHost, EquationInput, EquationInputKind,
     EquationOutput, EquationPort, FirstOrderState, HostParameter, Measure, OperatingRange, Symbol,

@@ -1,6 +1,6 @@
 //! Coordinates and inputs, and which coordinates are supports.
 
-use quell_document::{Fault, Table};
+use quell_document::{Fault, Table, Value};
 use quell_expression::{Dimension, Quantity, Span, nearest};
 
 use super::keys;
@@ -15,6 +15,8 @@ pub(super) struct Row {
     pub kind: CoordinateKind,
     /// Mass or inertia stated with it.
     pub inertia: f64,
+    /// Where a run in time begins, and at what rate.
+    pub start: [f64; 2],
     /// Index of the input that prescribes it, if it is a support.
     pub input: Option<usize>,
 }
@@ -29,6 +31,11 @@ pub(super) struct Layout {
 }
 
 impl Layout {
+    /// Each free coordinate and its rate where a run in time begins.
+    pub(super) fn starts(&self) -> Vec<[f64; 2]> {
+        self.free.iter().map(|&row| self.rows[row].start).collect()
+    }
+
     pub(super) fn coordinates(&self) -> Vec<Coordinate> {
         self.free
             .iter()
@@ -38,6 +45,18 @@ impl Layout {
             })
             .collect()
     }
+}
+
+/// A displacement or a rate at the start: a plain number is SI, also for a rotation, which is no frequency.
+pub(crate) fn motion(
+    value: &Value<'_>,
+    parameters: &Vec<(String, Quantity)>,
+    dimension: Dimension,
+) -> Result<f64, Fault> {
+    if value.is_number() {
+        return value.as_f64();
+    }
+    Ok(value.quantity(parameters, Some(dimension))?.value)
 }
 
 fn kind_of(table: &Table<'_>, key: &str) -> Result<CoordinateKind, Fault> {
@@ -91,10 +110,26 @@ pub(super) fn layout(
                 return Err(value.fault(format!("the {own} of `{name}` must not be negative")));
             }
         }
+        if let Some(value) = table.get("massless") {
+            return Err(value
+                .fault("`massless` belongs to a host written as equations")
+                .help(format!("a coordinate without `{own}` has none of its own")));
+        }
+        let mut start = [0.0; 2];
+        let rate = kind.dimension() / Dimension::TIME;
+        for (amount, (key, dimension)) in start
+            .iter_mut()
+            .zip([("start", kind.dimension()), ("rate", rate)])
+        {
+            if let Some(value) = table.get(key) {
+                *amount = motion(&value, parameters, dimension)?;
+            }
+        }
         rows.push(Row {
             name: name.to_owned(),
             kind,
             inertia,
+            start,
             input: None,
         });
         spans.push(span);
@@ -189,6 +224,11 @@ fn input(name: &str, table: &Table<'_>, support: Option<CoordinateKind>) -> Resu
         "acceleration" => InputKind::Acceleration,
         _ => InputKind::Force,
     };
+    if let Some(unit) = table.get("unit") {
+        return Err(unit
+            .fault("`unit` belongs to an input of kind `number`, which only equations can use")
+            .help("the unit of the input follows from its kind"));
+    }
     let mut motion = kind_of(table, "motion")?;
     if let Some(of_support) = support {
         if kind == InputKind::Force {

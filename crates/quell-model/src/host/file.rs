@@ -12,8 +12,12 @@ use super::keys;
 use super::names::Names;
 use super::parameters::{Override, parameters};
 use super::{coordinates, linear, outputs, ports};
+use crate::equations::{Amounts, Waveform, signal};
 use crate::form::{SignalNames, linear_form};
 use crate::linear::{LinearForm, LinearHost};
+
+/// The sections each of which makes a host one that is written as equations.
+const EQUATION_SECTIONS: [&str; 3] = ["equations", "lagrangian", "states"];
 
 /// The format this version reads.
 const FORMAT: i64 = 1;
@@ -35,6 +39,10 @@ pub struct Host {
     pub parameters: Vec<(String, Quantity)>,
     /// Elements with a name, for `force(name)` and `stroke(name)`.
     pub elements: Vec<NamedElement>,
+    /// Each coordinate and its rate where a run in time begins.
+    pub starts: Vec<[f64; 2]>,
+    /// What each input is in a run in time, if the file says so.
+    pub waveforms: Vec<Option<Waveform>>,
 }
 
 impl Host {
@@ -103,6 +111,24 @@ impl HostFile {
                 .help(format!("this version of Quell reads format {FORMAT}")));
         }
         root.check(&keys::HOST)?;
+        let written = EQUATION_SECTIONS
+            .iter()
+            .find_map(|section| Some((*section, root.get(section)?)));
+        match (root.get("linear"), &written) {
+            (Some(_), Some((section, value))) => {
+                return Err(value
+                    .fault(format!(
+                        "`[linear]` and `[{section}]` cannot be used together"
+                    ))
+                    .help("write the springs, dampers and masses into the equations"));
+            }
+            (None, None) => {
+                return Err(root
+                    .fault("the file does not say what the host is made of")
+                    .help("write `[linear]`, or its dynamics as `[equations]`, `[lagrangian]` or `[states]`"));
+            }
+            _ => {}
+        }
         let title = match root.get("title") {
             Some(title) => title.as_str()?.to_owned(),
             None => source.name.clone(),
@@ -112,14 +138,31 @@ impl HostFile {
             "coordinates",
             "inputs",
             "linear",
+            "states",
+            "definitions",
+            "functions",
+            "equations",
+            "lagrangian",
             "ports",
             "outputs",
+            "operating",
         ] {
             if let Some(value) = root.get(section) {
                 value.as_table()?;
             }
         }
-        root.require("linear")?.as_table()?.check(&keys::LINEAR)?;
+        if let Some(linear) = root.get("linear") {
+            linear.as_table()?.check(&keys::LINEAR)?;
+            for section in ["dimensionless", "definitions", "functions", "operating"] {
+                if let Some(value) = root.get(section) {
+                    return Err(value
+                        .fault(format!(
+                            "`{section}` belongs to a host written as equations"
+                        ))
+                        .help("leave it out, or write `[equations]` instead of `[linear]`"));
+                }
+            }
+        }
         Ok(Self {
             document: Arc::new(document),
             folder: folder.into(),
@@ -145,25 +188,40 @@ impl HostFile {
         &self.folder
     }
 
-    /// The matrix files that the host names, as paths that can be opened; a study's hash covers them.
+    /// The files of matrices and of samples that the host names, as paths that can be opened; a study's hash covers them.
     #[must_use]
     pub fn matrix_files(&self) -> Vec<PathBuf> {
-        let Some(matrices) = self
-            .document
-            .root()
+        let root = self.document.root();
+        let matrices = root
             .get("linear")
-            .and_then(|linear| linear.as_table().ok()?.get("matrices")?.as_table().ok())
-        else {
-            return Vec::new();
-        };
+            .and_then(|linear| linear.as_table().ok()?.get("matrices")?.as_table().ok());
         let mut files: Vec<PathBuf> = matrices
-            .entries()
+            .iter()
+            .flat_map(Table::entries)
             .filter_map(|(_, _, value)| value.as_str().ok())
             .map(|reference| crate::matrix::matrix_path(reference, &self.folder))
             .collect();
+        let inputs = root.get("inputs").and_then(|inputs| inputs.as_table().ok());
+        for (_, _, input) in inputs.iter().flat_map(Table::entries) {
+            let signal = input.as_table().ok().and_then(|input| input.get("signal"));
+            files.extend(signal.and_then(|signal| signal::file(&signal, &self.folder)));
+        }
         files.sort();
         files.dedup();
         files
+    }
+
+    /// Whether the host is written as equations: its dynamics then are [`HostFile::equations`], otherwise [`HostFile::assemble`].
+    #[must_use]
+    pub fn is_equations(&self) -> bool {
+        let root = self.document.root();
+        EQUATION_SECTIONS
+            .iter()
+            .any(|section| root.get(section).is_some())
+    }
+
+    pub(crate) fn document(&self) -> &Document {
+        &self.document
     }
 
     /// The parameters in file order, some of them replaced.
@@ -189,6 +247,11 @@ impl HostFile {
     /// Whatever is wrong in the file or the matrices it names, with its place in the host file.
     pub fn assemble(&self, overrides: &[Override]) -> Result<Host, Fault> {
         let root = self.document.root();
+        if self.is_equations() {
+            return Err(root
+                .fault("this host is written as equations, and a linear one is needed here")
+                .help("a host with `[linear]` has frequency responses and modes of its own"));
+        }
         let mut names = Names::default();
         let parameters = parameters(
             section(&root, "parameters")?.as_ref(),
@@ -220,9 +283,12 @@ impl HostFile {
                 ports: Vec::new(),
                 outputs: Vec::new(),
             },
+            starts: layout.starts(),
+            waveforms: Vec::new(),
             parameters,
             elements: Vec::new(),
         };
+        host.waveforms = waveforms(&host, section(&root, "inputs")?.as_ref(), &self.folder)?;
         let base = linear::stamp(&mut host, &layout, &linear, &self.folder)?;
         if let Some(table) = section(&root, "inputs")? {
             linear::forces(&mut host, &table, base.as_ref())?;
@@ -250,8 +316,35 @@ impl HostFile {
     }
 }
 
+/// What the inputs are in a run in time.
+fn waveforms(
+    host: &Host,
+    inputs: Option<&Table<'_>>,
+    folder: &Path,
+) -> Result<Vec<Option<Waveform>>, Fault> {
+    let amounts = Amounts {
+        parameters: &host.parameters,
+        dimensionless: false,
+    };
+    host.linear
+        .inputs
+        .iter()
+        .map(|input| {
+            let given = inputs.and_then(|table| table.get(&input.name));
+            let Some(given) = given else {
+                return Ok(None);
+            };
+            given
+                .as_table()?
+                .get("signal")
+                .map(|value| signal::waveform(&value, input.dimension, amounts, folder))
+                .transpose()
+        })
+        .collect()
+}
+
 /// A section that may be left out.
-fn section<'a>(root: &Table<'a>, name: &str) -> Result<Option<Table<'a>>, Fault> {
+pub(crate) fn section<'a>(root: &Table<'a>, name: &str) -> Result<Option<Table<'a>>, Fault> {
     root.get(name)
         .map(|value: Value<'a>| value.as_table())
         .transpose()

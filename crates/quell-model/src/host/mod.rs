@@ -3,17 +3,17 @@
 //! Two stages: [`HostFile`] is the text with the place of everything, checked for its keys; [`HostFile::assemble`] works
 //! out parameters (with those a study replaces), stamps elements and matrices, and gives a [`Host`] in SI.
 
-mod coordinates;
+pub(crate) mod coordinates;
 mod damping;
 mod elements;
-mod file;
+pub(crate) mod file;
 pub mod keys;
 mod linear;
 mod matrices;
-mod names;
-mod order;
+pub(crate) mod names;
+pub(crate) mod order;
 mod outputs;
-mod parameters;
+pub(crate) mod parameters;
 mod points;
 mod ports;
 mod system;

@@ -8,7 +8,7 @@ use quell_expression::{Expression, Function, Node, Span};
 
 /// Names already given, with what they stand for.
 #[derive(Debug, Default)]
-pub(super) struct Names {
+pub(crate) struct Names {
     taken: HashMap<String, &'static str>,
 }
 
@@ -17,7 +17,7 @@ const RESERVED: [&str; 4] = ["ground", "force", "stroke", "pi"];
 
 impl Names {
     /// Takes a name, which must be fit for expressions and free.
-    pub(super) fn define(
+    pub(crate) fn define(
         &mut self,
         source: &Arc<Source>,
         name: &str,

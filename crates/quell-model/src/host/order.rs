@@ -4,7 +4,7 @@
 ///
 /// # Errors
 /// A cycle: indices each of which depends on the next, the last on the first.
-pub(super) fn order(dependencies: &[Vec<usize>]) -> Result<Vec<usize>, Vec<usize>> {
+pub(crate) fn order(dependencies: &[Vec<usize>]) -> Result<Vec<usize>, Vec<usize>> {
     #[derive(Clone, Copy, PartialEq)]
     enum State {
         Unseen,

@@ -55,7 +55,7 @@ impl Scope for Known<'_> {
 }
 
 /// Works out `[parameters]`, in file order.
-pub(super) fn parameters(
+pub(crate) fn parameters(
     table: Option<&Table<'_>>,
     overrides: &[Override],
     names: &mut Names,
@@ -182,7 +182,7 @@ fn in_words(dimension: Dimension) -> String {
 }
 
 /// "a quantity in `N/m`", or "a plain number".
-pub(super) fn as_quantity(dimension: Dimension) -> String {
+pub(crate) fn as_quantity(dimension: Dimension) -> String {
     if dimension.is_none() {
         in_words(dimension)
     } else {

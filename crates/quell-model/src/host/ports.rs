@@ -29,6 +29,11 @@ pub(super) fn ports(
         }
         let entry = value.as_table()?;
         entry.check(&keys::PORT)?;
+        if let Some(force) = entry.get("force") {
+            return Err(force
+                .fault("a symbol for the force belongs to a host written as equations")
+                .help("leave `force` out: it acts by virtual work"));
+        }
         let given: Vec<_> = entry.entries().collect();
         let [(key, _, value)] = &given[..] else {
             return Err(entry
