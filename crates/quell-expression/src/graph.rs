@@ -2,6 +2,7 @@
 
 mod condition;
 mod dependence;
+mod without;
 
 use std::collections::HashMap;
 
