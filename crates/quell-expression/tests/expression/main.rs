@@ -13,6 +13,7 @@ mod lowering;
 mod message;
 mod program;
 mod random;
+mod recording;
 mod round_trip;
 mod unit;
 
