@@ -37,8 +37,8 @@ pub mod system;
 
 pub use equations::{
     EquationCoordinate, EquationElement, EquationHost, EquationInput, EquationInputKind,
-    EquationOutput, EquationPort, FirstOrderState, HostParameter, Measure, OperatingRange, Symbol,
-    Waveform,
+    EquationOutput, EquationPort, ExtraNames, FirstOrderState, HostNames, HostParameter, Measure,
+    NoExtraNames, OperatingRange, Symbol, Waveform,
 };
 pub use form::{DevicePart, SignalNames, linear_form};
 pub use host::{Host, HostFile, NamedElement, Override};

@@ -2,7 +2,7 @@
 
 use quell_expression::{Dimension, Graph, Quantity, Slot};
 
-use super::vocabulary::Vocabulary;
+use super::names::Vocabulary;
 use super::waveform::Waveform;
 use crate::linear::{CoordinateKind, InputKind};
 

@@ -8,7 +8,7 @@ use super::host::{
     EquationCoordinate, EquationElement, EquationHost, EquationInput, EquationInputKind,
     EquationOutput, EquationPort, FirstOrderState, HostParameter, Symbol,
 };
-use super::vocabulary::Vocabulary;
+use super::names::Vocabulary;
 use crate::host::Host;
 use crate::linear::{LinearForm, Signal};
 

@@ -8,11 +8,11 @@ mod amounts;
 mod host;
 pub(crate) mod keys;
 mod linear;
+mod names;
 mod random;
 mod samples;
 mod series;
 pub(crate) mod signal;
-mod vocabulary;
 mod waveform;
 
 pub(crate) use amounts::Amounts;
@@ -20,6 +20,7 @@ pub use host::{
     EquationCoordinate, EquationElement, EquationHost, EquationInput, EquationInputKind,
     EquationOutput, EquationPort, FirstOrderState, HostParameter, Measure, OperatingRange, Symbol,
 };
+pub use names::{ExtraNames, HostNames, NoExtraNames};
 pub use random::Random;
 pub use samples::Samples;
 pub use waveform::{Harmonic, Pulse, PulseShape, Sweep, Waveform};
