@@ -1,3 +1,27 @@
 //! A host with devices as one system of first-order equations, compiled.
+//!
+//! [`System::new`] takes an [`EquationHost`](crate::EquationHost) and [`Device`]s on its ports, decides from their structure
+//! alone which internal motions are states, eliminates all other unknowns and compiles the rates of the states with
+//! their exact derivatives. [`System::prepare`] puts in values of the parameters.
 
+mod assembly;
+mod compiled;
+mod dense;
+mod device;
+mod elimination;
+mod error;
+mod inputs;
+mod layers;
+mod motion;
+mod newton;
+mod prepared;
 mod structure;
+mod watched;
+
+pub use assembly::{State, StateKind};
+pub use compiled::System;
+pub use device::{Device, ForceLaw, LawParameter};
+pub use error::SystemError;
+pub use inputs::{Owner, Parameter};
+pub use prepared::{Linearised, Prepared};
+pub use watched::{Phase, Quantity, Watched};
