@@ -488,10 +488,19 @@ fn keys_serve_schema_and_reference() {
     let schema = quell_document::json_schema(&quell_model::host::keys::HOST);
     assert_eq!(
         schema["required"],
-        serde_json::json!(["quell", "coordinates", "linear"])
+        serde_json::json!(["quell"])
     );
     let reference = quell_document::reference_markdown(&quell_model::host::keys::HOST);
-    for key in ["influence", "rayleigh", "between", "inertia"] {
+    for key in [
+        "influence",
+        "rayleigh",
+        "between",
+        "inertia",
+        "kinetic",
+        "massless",
+        "half-sine",
+        "operating",
+    ] {
         assert!(reference.contains(key), "{key}");
     }
 }

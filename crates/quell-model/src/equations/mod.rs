@@ -7,10 +7,15 @@
 mod amounts;
 mod host;
 pub(crate) mod keys;
+mod lagrangian;
 mod linear;
 mod names;
+mod ports;
 mod random;
+mod read;
+mod residuals;
 mod samples;
+mod sections;
 mod series;
 pub(crate) mod signal;
 mod waveform;

@@ -94,7 +94,10 @@ impl EquationHost {
     /// The host's vocabulary, for a [`Lowering`] of several expressions into one graph.
     #[must_use]
     pub fn names<'a>(&'a self, extra: &'a dyn ExtraNames) -> HostNames<'a> {
-        HostNames::new(self, &[], extra)
+        HostNames {
+            elsewhere: true,
+            ..HostNames::new(self, &[], extra)
+        }
     }
 }
 
@@ -121,7 +124,7 @@ impl<'a> HostNames<'a> {
             meanings: HashMap::new(),
             order: Vec::new(),
             rates: host.rates(),
-            elsewhere: pending.is_empty(),
+            elsewhere: false,
             extra,
         };
         for (name, expression) in pending {

@@ -16,6 +16,11 @@ pub(crate) struct Names {
 const RESERVED: [&str; 4] = ["ground", "force", "stroke", "pi"];
 
 impl Names {
+    /// Takes a name that a kind of file gives a meaning of its own.
+    pub(crate) fn reserve(&mut self, name: &str, what: &'static str) {
+        self.taken.insert(name.to_owned(), what);
+    }
+
     /// Takes a name, which must be fit for expressions and free.
     pub(crate) fn define(
         &mut self,
