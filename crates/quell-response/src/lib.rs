@@ -71,6 +71,7 @@ mod realisation;
 mod receptance;
 mod residues;
 mod structure;
+pub mod transient;
 
 pub use assembly::{Assembly, Attached};
 pub use certificate::{Certificate, CertificateMethod, CertificateStatus, certify};
