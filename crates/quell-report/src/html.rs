@@ -111,7 +111,7 @@ fn glance(task: &TaskSection, index: usize) -> Markup {
                             (crate::number::percent(*gain)) span.soft.on { " on " (reference.name) }
                         }
                     }
-                    td.number data-label="starts" { (best.starts_agreeing) " of " (best.starts) }
+                    td.number data-label="starts" { (design::starts_in_short(best, " of ")) }
                 } @else { td { (task.status.as_deref().unwrap_or("no design")) } td {} td {} td {} }
             } @else {
                 td { (count(task.configurations.len(), "configuration", "configurations")) " evaluated" }

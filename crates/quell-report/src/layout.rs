@@ -74,6 +74,12 @@ fn tree(
                     name: branch.name.clone(),
                     value: annotations.value(&branch.name),
                 },
+                // Its law is the study's own, so it has no symbol of the field.
+                Kind::Custom(_) => Part::Element {
+                    symbol: Symbol::Box,
+                    name: branch.name.clone(),
+                    value: None,
+                },
                 Kind::Component(kind) => Part::Component {
                     name: branch.name.clone(),
                     values: annotations.variables(&branch.name),

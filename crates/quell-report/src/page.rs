@@ -214,6 +214,8 @@ pub struct ReferenceRow {
     pub words: String,
     /// Its criteria, one for each column.
     pub criteria: Vec<CriterionValue>,
+    /// Whether it misses a constraint that designs must meet.
+    pub infeasible: bool,
 }
 
 /// One device of a configuration.
@@ -298,6 +300,8 @@ pub struct Design {
     pub evaluations: u64,
     /// Whether every constraint is met.
     pub feasible: bool,
+    /// The largest relative violation of a constraint, in per cent.
+    pub violation: f64,
     /// What the certified objective is worth, such as `certified within 2.1e-7`.
     pub certificate: String,
 }

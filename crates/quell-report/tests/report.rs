@@ -83,6 +83,7 @@ fn design(rank: usize) -> Design {
         starts_agreeing: 7,
         evaluations: 123_456,
         feasible: rank != 2,
+        violation: if rank == 2 { 3.2 } else { 0.0 },
         certificate: NASTY.into(),
     }
 }
@@ -142,6 +143,7 @@ fn page(designs: usize) -> Page {
             name: NASTY.into(),
             words: NASTY.into(),
             criteria: vec![CriterionValue::default()],
+            infeasible: true,
         }],
         designs: (1..=designs).map(design).collect(),
         plots: vec![plot()],

@@ -15,28 +15,10 @@ use quell_response::{Assembly, Attached};
 use quell_search::{Scale, Variable};
 
 use crate::amount::Amount;
+use crate::candidates::Candidate;
 use crate::outcome::{BuiltDevice, NamedValue};
 use crate::situation::Situation;
-use crate::study::{Bounds, Device, Slot, Study};
-
-/// A layout for each slot that is filled, with the place where it was asked for.
-#[derive(Debug, Clone)]
-pub(crate) struct Candidate {
-    /// By slot.
-    pub layouts: Vec<(Slot, Layout, Span)>,
-}
-
-impl Candidate {
-    /// The layouts in words, separated by semicolons.
-    pub(crate) fn label(&self) -> String {
-        let layouts: Vec<String> = self
-            .layouts
-            .iter()
-            .map(|(_, layout, _)| layout.to_string())
-            .collect();
-        layouts.join(" ; ")
-    }
-}
+use crate::study::{Bounds, DesignTask, Device, Slot, Study};
 
 /// Where values come from.
 #[derive(Debug, Clone, Copy)]
@@ -47,6 +29,17 @@ pub(crate) struct Values<'a> {
     pub bounds: &'a IndexMap<String, Bounds>,
     /// Whether anything may be searched; otherwise a value that is not given is an error.
     pub searched: bool,
+}
+
+impl<'a> Values<'a> {
+    /// Those of a design task.
+    pub(crate) fn searched(design: &'a DesignTask) -> Self {
+        Self {
+            given: &design.fixed,
+            bounds: &design.bounds,
+            searched: true,
+        }
+    }
 }
 
 /// A device on its port.

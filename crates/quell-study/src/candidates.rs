@@ -1,10 +1,29 @@
 //! The candidates of a design task: every combination of the layouts of its slots, one after the other.
 
 use indexmap::IndexMap;
+use quell_expression::Span;
 use quell_network::{Layout, Layouts};
 
-use crate::built::Candidate;
 use crate::study::{CandidateSet, DesignTask, Slot};
+
+/// A layout for each slot that is filled, with the place where it was asked for.
+#[derive(Debug, Clone)]
+pub(crate) struct Candidate {
+    /// By slot.
+    pub layouts: Vec<(Slot, Layout, Span)>,
+}
+
+impl Candidate {
+    /// The layouts in words, separated by semicolons.
+    pub(crate) fn label(&self) -> String {
+        let layouts: Vec<String> = self
+            .layouts
+            .iter()
+            .map(|(_, layout, _)| layout.to_string())
+            .collect();
+        layouts.join(" ; ")
+    }
+}
 
 /// All candidates of a task.
 #[derive(Debug, Clone, Copy)]
@@ -68,9 +87,7 @@ fn set_count(set: &CandidateSet) -> u128 {
     }
 }
 
-fn layouts<'a>(
-    set: &'a CandidateSet,
-) -> Box<dyn Iterator<Item = (Layout, quell_expression::Span)> + 'a> {
+fn layouts<'a>(set: &'a CandidateSet) -> Box<dyn Iterator<Item = (Layout, Span)> + 'a> {
     match set {
         CandidateSet::Layouts(layouts) => Box::new(layouts.iter().cloned()),
         CandidateSet::Budget { enumerations, span } => {

@@ -6,6 +6,8 @@
 mod amount;
 mod built;
 mod candidates;
+mod check;
+mod configuration;
 mod criteria;
 mod evaluator;
 pub mod keys;
@@ -14,21 +16,24 @@ mod plots;
 mod problem;
 mod read;
 mod record;
+mod reference;
 pub mod results;
 mod runner;
 mod situation;
 mod standing;
 pub mod study;
+mod sweep;
 mod unread;
 
 pub use amount::Amount;
+pub use check::{Summary, check};
 pub use outcome::{
-    BuiltDevice, Design, DesignFindings, Evaluated, Findings, NamedValue, Plot, PointOutcome, Role,
-    RunOutcome, Series, TaskOutcome,
+    BuiltDevice, Design, DesignFindings, Evaluated, Findings, NamedValue, Plot, PointOutcome,
+    Reference, Role, RunOutcome, Series, TaskOutcome,
 };
-pub use problem::{DesignProblem, ProblemScratch};
+pub use problem::{DesignProblem, ProblemScratch, problems};
 pub use read::FILE_VERSION;
-pub use runner::{Progress, RunError, RunSettings, Silent, Summary, check, problems, run};
+pub use runner::{Progress, RunError, RunSettings, Silent, run};
 pub use standing::Standing;
 pub use study::{Sense, Study};
 

@@ -54,7 +54,7 @@ pub struct DesignFindings {
     /// The constraints in words, in the units of the study.
     pub constraints: Vec<String>,
     /// What designs are measured against.
-    pub references: Vec<Evaluated>,
+    pub references: Vec<Reference>,
     /// Best first.
     pub designs: Vec<Design>,
     /// How many layouts were tried, and up to which equivalence each was listed once.
@@ -72,6 +72,25 @@ pub struct Evaluated {
     pub criteria: IndexMap<String, f64>,
     /// More on each.
     pub details: IndexMap<String, CriterionDetail>,
+}
+
+/// What designs are measured against.
+#[derive(Debug, Clone)]
+pub struct Reference {
+    /// Layouts, values and criteria.
+    pub configuration: Evaluated,
+    /// Every constraint of the task holds.
+    pub feasible: bool,
+    /// Largest relative violation; 0 where feasible.
+    pub violation: f64,
+}
+
+impl Reference {
+    /// It has a value of the criterion `objective`, but misses a constraint.
+    pub fn misses_a_constraint(&self, objective: &str) -> bool {
+        let value = self.configuration.criteria.get(objective);
+        !self.feasible && value.is_some_and(|value| value.is_finite())
+    }
 }
 
 /// One design of a shortlist.

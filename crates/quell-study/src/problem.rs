@@ -1,9 +1,16 @@
 //! A design problem for one candidate: its objective and constraints as the search sees them.
 
+use std::sync::Arc;
+
+use quell_document::Fault;
 use quell_search::{Pieces, Problem, Variable};
 
+use crate::built::{Built, Values};
+use crate::candidates::{Candidate, Candidates};
 use crate::evaluator::{Evaluator, EvaluatorScratch};
-use crate::study::Sense;
+use crate::outcome::Evaluated;
+use crate::situation::{self, Situation};
+use crate::study::{DesignTask, Sense, Study, TaskKind};
 
 /// A criterion with its direction and, for a constraint, its bound (SI).
 #[derive(Debug, Clone, Copy)]
@@ -17,13 +24,6 @@ pub(crate) struct Goal {
 }
 
 impl Goal {
-    fn sign(&self) -> f64 {
-        match self.sense {
-            Sense::Minimise => 1.0,
-            Sense::Maximise => -1.0,
-        }
-    }
-
     /// What a violation is measured by: the bound, or 1 where that is zero.
     fn scale(&self) -> f64 {
         if self.bound == 0.0 {
@@ -35,7 +35,44 @@ impl Goal {
 
     /// (value - bound)/|bound|, positive where the constraint fails.
     pub(crate) fn excess(&self, value: f64) -> f64 {
-        self.sign() * (value - self.bound) / self.scale()
+        self.sense.sign() * (value - self.bound) / self.scale()
+    }
+}
+
+/// How values stand to the constraints of a task.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Verdict {
+    /// Of the objective; NaN where it has none.
+    pub(crate) objective: f64,
+    /// Every constraint holds.
+    pub(crate) feasible: bool,
+    /// Largest relative violation; 0 where feasible.
+    pub(crate) violation: f64,
+}
+
+impl Verdict {
+    /// The verdict on certified values, not on those of a search.
+    pub(crate) fn on(values: &Evaluated, design: &DesignTask, constraints: &[Goal]) -> Self {
+        let value = |name: &str| values.criteria.get(name).copied().unwrap_or(f64::NAN);
+        let violation = constraints
+            .iter()
+            .zip(&design.constraints)
+            .map(|(goal, constraint)| {
+                let excess = goal.excess(value(&constraint.criterion));
+                if excess.is_nan() {
+                    f64::INFINITY
+                } else {
+                    excess
+                }
+            })
+            .fold(0.0, f64::max);
+        let objective = value(&design.objective);
+        let feasible = objective.is_finite() && violation <= design.feasibility;
+        Self {
+            objective,
+            feasible,
+            violation: if feasible { 0.0 } else { violation },
+        }
     }
 }
 
@@ -48,6 +85,96 @@ pub struct DesignProblem {
     pub(crate) objective: Goal,
     /// The constraints.
     pub(crate) constraints: Vec<Goal>,
+}
+
+impl DesignProblem {
+    /// The problem of one candidate.
+    ///
+    /// # Errors
+    /// A candidate that cannot be built, or a criterion that makes no sense on it.
+    pub(crate) fn of(
+        study: &Study,
+        situation: &Situation,
+        design: &DesignTask,
+        candidate: &Candidate,
+    ) -> Result<Self, Fault> {
+        let built = Built::new(study, situation, candidate, Values::searched(design))?;
+        let mut names: Vec<&str> = vec![&design.objective];
+        names.extend(
+            design
+                .constraints
+                .iter()
+                .map(|constraint| constraint.criterion.as_str()),
+        );
+        let evaluator = Evaluator::new(study, situation, Arc::new(built), Some(&names))?;
+        let objective = Goal {
+            criterion: index(&evaluator, &design.objective)?,
+            sense: design.sense,
+            bound: 0.0,
+        };
+        let constraints = constraints(design, situation, &evaluator)?;
+        Ok(Self {
+            evaluator,
+            objective,
+            constraints,
+        })
+    }
+}
+
+fn index(evaluator: &Evaluator, name: &str) -> Result<usize, Fault> {
+    evaluator
+        .index(name)
+        .ok_or_else(|| Fault::new(format!("there is no criterion `{name}`")))
+}
+
+/// The constraints of a task, for criteria that `evaluator` holds.
+///
+/// # Errors
+/// A bound of another dimension than its criterion.
+pub(crate) fn constraints(
+    design: &DesignTask,
+    situation: &Situation,
+    evaluator: &Evaluator,
+) -> Result<Vec<Goal>, Fault> {
+    design
+        .constraints
+        .iter()
+        .map(|constraint| {
+            let criterion = index(evaluator, &constraint.criterion)?;
+            let bound = constraint
+                .bound
+                .value(&situation.parameters, evaluator.dimension(criterion))?;
+            Ok(Goal {
+                criterion,
+                sense: constraint.sense,
+                bound,
+            })
+        })
+        .collect()
+}
+
+/// The problems of a design task at the host's own parameters, each with its layout in words: for users who bring their own
+/// optimiser, and for benchmarks.
+///
+/// # Errors
+/// There is no such design task, or whatever is wrong with the study.
+pub fn problems(study: &Study, task: &str) -> Result<Vec<(String, DesignProblem)>, Fault> {
+    let design = study.tasks.iter().find_map(|known| match &known.kind {
+        TaskKind::Design(design) if known.name == task => Some(design),
+        _ => None,
+    });
+    let design =
+        design.ok_or_else(|| Fault::new(format!("the study has no design task `{task}`")))?;
+    let situation = situation::build(&study.host, &study.overrides, &[])?;
+    Candidates::of(design)
+        .iter()
+        .map(|candidate| {
+            Ok((
+                candidate.label(),
+                DesignProblem::of(study, &situation, design, &candidate)?,
+            ))
+        })
+        .collect()
 }
 
 /// Buffers of one thread.
@@ -97,7 +224,7 @@ impl Problem for DesignProblem {
         for (goal, out) in self.constraints.iter().zip(constraints) {
             *out = goal.excess(value(goal));
         }
-        self.objective.sign() * value(&self.objective)
+        self.objective.sense.sign() * value(&self.objective)
     }
 
     fn pieces(

@@ -2,7 +2,7 @@
 
 use indexmap::IndexMap;
 
-use crate::outcome::{BuiltDevice, Findings, TaskOutcome};
+use crate::outcome::{BuiltDevice, Evaluated, Findings, TaskOutcome};
 use crate::results::{
     ConfigurationResult, DesignResult, DeviceResult, EngineFacts, FORMAT, ReferenceResult, Results,
     StudyFacts, SweepPoint, TaskBody, TaskFindings, TaskResult,
@@ -84,14 +84,7 @@ fn findings(found: &Findings) -> (String, TaskFindings) {
         Findings::Evaluate(configurations) => {
             let configurations = configurations
                 .iter()
-                .map(|one| {
-                    let result = ConfigurationResult {
-                        devices: devices(&one.devices),
-                        criteria: one.criteria.clone(),
-                        details: one.details.clone(),
-                    };
-                    (one.name.clone(), result)
-                })
+                .map(|one| (one.name.clone(), configuration(one)))
                 .collect();
             ("done".to_owned(), TaskFindings::Evaluate { configurations })
         }
@@ -101,11 +94,11 @@ fn findings(found: &Findings) -> (String, TaskFindings) {
                 .iter()
                 .map(|one| {
                     let result = ReferenceResult {
-                        devices: devices(&one.devices),
-                        criteria: one.criteria.clone(),
-                        details: one.details.clone(),
+                        configuration: configuration(&one.configuration),
+                        feasible: one.feasible,
+                        violation: one.violation,
                     };
-                    (one.name.clone(), result)
+                    (one.configuration.name.clone(), result)
                 })
                 .collect();
             let designs: Vec<DesignResult> = design
@@ -140,6 +133,14 @@ fn findings(found: &Findings) -> (String, TaskFindings) {
                 },
             )
         }
+    }
+}
+
+fn configuration(one: &Evaluated) -> ConfigurationResult {
+    ConfigurationResult {
+        devices: devices(&one.devices),
+        criteria: one.criteria.clone(),
+        details: one.details.clone(),
     }
 }
 

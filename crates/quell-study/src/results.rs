@@ -141,12 +141,13 @@ pub struct CriterionDetail {
 /// What designs are measured against.
 #[derive(Debug, Clone, Serialize)]
 pub struct ReferenceResult {
-    /// By device name.
-    pub devices: IndexMap<String, DeviceResult>,
-    /// By criterion name.
-    pub criteria: IndexMap<String, f64>,
-    /// More on each criterion.
-    pub details: IndexMap<String, CriterionDetail>,
+    /// Layouts, values and criteria.
+    #[serde(flatten)]
+    pub configuration: ConfigurationResult,
+    /// True where every constraint of the task holds within the feasibility tolerance.
+    pub feasible: bool,
+    /// Largest relative violation of a constraint; 0 where feasible.
+    pub violation: f64,
 }
 
 /// One design of a shortlist.

@@ -158,6 +158,16 @@ pub enum Sense {
     Maximise,
 }
 
+impl Sense {
+    /// 1 where small is good, -1 where large is: a number times this is the better the smaller it is.
+    pub const fn sign(self) -> f64 {
+        match self {
+            Self::Minimise => 1.0,
+            Self::Maximise => -1.0,
+        }
+    }
+}
+
 /// `criterion <= bound` or `criterion >= bound`.
 #[derive(Debug, Clone)]
 pub struct Constraint {

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use quell_document::Fault;
 use quell_network::{Domain, Kinds, Layout, expand};
 
-use crate::built::{Built, Candidate, Values, component_fault, range};
-use crate::candidates::Candidates;
+use crate::built::{Built, Values, component_fault, range};
+use crate::candidates::{Candidate, Candidates};
 use crate::evaluator::{Evaluator, prepare};
 use crate::situation::Situation;
 use crate::study::{DesignTask, Study, TaskKind};
@@ -118,11 +118,6 @@ fn compiles(
     candidate: &Candidate,
     criterion: &str,
 ) -> Result<(), Fault> {
-    let values = Values {
-        given: &design.fixed,
-        bounds: &design.bounds,
-        searched: true,
-    };
-    let built = Built::new(study, situation, candidate, values)?;
+    let built = Built::new(study, situation, candidate, Values::searched(design))?;
     Evaluator::new(study, situation, Arc::new(built), Some(&[criterion])).map(drop)
 }

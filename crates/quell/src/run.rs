@@ -34,8 +34,8 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
             let _ = fs::remove_dir(&folder);
         }
         match error {
-            RunError::Study(fault) => Exit::Study(fault),
-            RunError::Failed(fault) => Exit::Run(fault),
+            RunError::Study(fault) | RunError::NoSuchTask(fault) => Exit::Study(fault),
+            RunError::Threads(fault) => Exit::Run(fault),
         }
     })?;
 

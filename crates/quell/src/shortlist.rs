@@ -115,15 +115,18 @@ impl Printer<'_> {
         let mut table = self.design_table("rank", 0, findings, &names, &first.configuration);
         for reference in &findings.references {
             let mut cells = vec![String::new()];
-            cells.extend(names.iter().map(|name| self.value(name, reference)));
+            let one = &reference.configuration;
+            cells.extend(names.iter().map(|name| self.value(name, one)));
             cells.extend(findings.references.iter().map(|_| String::new()));
             cells.push(String::new());
             cells.push(format!(
                 "reference {}{}",
-                reference.name,
-                where_of(reference, &findings.objective)
+                one.name,
+                where_of(one, &findings.objective)
             ));
-            table.row(cells, Vec::new());
+            let missed = reference.misses_a_constraint(&findings.objective);
+            let under = missed.then(|| not_feasible(reference.violation));
+            table.row(cells, under.into_iter().collect());
         }
         let shown = findings.designs.len().min(self.study.report.shortlist);
         for found in findings.designs.iter().take(shown) {
@@ -169,7 +172,7 @@ impl Printer<'_> {
             findings
                 .references
                 .iter()
-                .map(|reference| format!("on {}", reference.name)),
+                .map(|reference| format!("on {}", reference.configuration.name)),
         );
         heading.push("starts".to_owned());
         heading.push("layout".to_owned());
@@ -190,10 +193,15 @@ impl Printer<'_> {
         cells.extend(findings.references.iter().map(|reference| {
             found
                 .improvement
-                .get(&reference.name)
+                .get(&reference.configuration.name)
                 .map_or_else(|| "–".to_owned(), |gain| percent(gain * 100.0))
         }));
-        cells.push(format!("{}/{}", found.starts_agreeing, found.starts));
+        // Starts that meet no constraint agree on nothing worth telling.
+        cells.push(if found.feasible {
+            format!("{}/{}", found.starts_agreeing, found.starts)
+        } else {
+            "–".to_owned()
+        });
         let layouts: Vec<&str> = one
             .devices
             .iter()
@@ -208,10 +216,11 @@ impl Printer<'_> {
         if !found.objective.is_finite() {
             under.push(format!("no value: {}", found.status));
         } else if !found.feasible {
-            under.push(format!(
-                "NOT FEASIBLE: a constraint is missed by {}",
-                percent(found.violation * 100.0)
-            ));
+            let tried = match found.starts {
+                0 | 1 => String::new(),
+                starts => format!(" by the best of {starts} starts"),
+            };
+            under.push(format!("{}{tried}", not_feasible(found.violation)));
         }
         table.row(cells, under);
     }
@@ -232,6 +241,16 @@ impl Printer<'_> {
         let value = one.criteria.get(name).copied().unwrap_or(f64::NAN);
         significant(value / shown_unit(self.study, name, "").0, DIGITS)
     }
+}
+
+/// A constraint is missed by so much, relative.
+fn not_feasible(violation: f64) -> String {
+    let by = if violation.is_finite() {
+        format!(" by {}", percent(violation * 100.0))
+    } else {
+        String::new()
+    };
+    format!("NOT FEASIBLE: a constraint is missed{by}")
 }
 
 /// What is asked of a design task, in a line.

@@ -2,8 +2,11 @@
 
 use maud::{Markup, PreEscaped, html};
 
+use super::count;
 use crate::number::{SIGNIFICANT_DIGITS, compact, significant, unit};
-use crate::page::{Bounds, CriterionColumn, CriterionValue, DesignValue, Device, Quantity, Side};
+use crate::page::{
+    Bounds, CriterionColumn, CriterionValue, Design, DesignValue, Device, Quantity, Side,
+};
 use crate::schematic::{Drawing, Style};
 
 /// A number with its unit after a no-break space.
@@ -26,6 +29,35 @@ fn scaled(drawing: &Drawing, smallest: f64) -> Markup {
         div.schematic style={ "--natural:" (format!("{width:.0}")) "px;--least:" (format!("{:.0}", width * smallest)) "px" } {
             (PreEscaped(&drawing.svg))
         }
+    }
+}
+
+/// How the starts of a search ended; of one that met no constraint none can be said to agree.
+pub(super) fn starts(design: &Design) -> String {
+    if !design.objective.value.is_finite() {
+        "no start has a value".to_owned()
+    } else if design.feasible {
+        format!(
+            "{} of {} agree",
+            design.starts_agreeing,
+            count(design.starts, "independent start", "independent starts")
+        )
+    } else if design.violation.is_finite() {
+        format!(
+            "no feasible start (least violation {}\u{a0}%)",
+            significant(design.violation, 3)
+        )
+    } else {
+        "no feasible start".to_owned()
+    }
+}
+
+/// The same in the width of a column.
+pub(super) fn starts_in_short(design: &Design, between: &str) -> String {
+    if design.feasible {
+        format!("{}{between}{}", design.starts_agreeing, design.starts)
+    } else {
+        "none feasible".to_owned()
     }
 }
 

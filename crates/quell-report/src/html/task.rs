@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 
 use super::design::{
-    any_active, criterion_cell, criterion_head, large, number_with_unit, quantity, small,
-    values_line, values_table,
+    any_active, criterion_cell, criterion_head, large, number_with_unit, quantity, small, starts,
+    starts_in_short, values_line, values_table,
 };
 use super::figure::figure;
 use super::{anchor, count, prose};
@@ -79,7 +79,7 @@ fn winner(task: &TaskSection, best: &Design, designs: usize) -> Markup {
                 }
                 (values_table(&best.devices))
                 p.evidence {
-                    (best.starts_agreeing) " of " (count(best.starts, "independent start", "independent starts")) " agree"
+                    (starts(best))
                     " · " (grouped(best.evaluations)) " evaluations"
                     @if !best.certificate.is_empty() { " · " (best.certificate) }
                 }
@@ -126,9 +126,13 @@ fn comparison(task: &TaskSection, best: Option<&Design>) -> Markup {
                         @for (index, column) in task.criteria.iter().enumerate() { (criterion_cell(best.criteria.get(index), column)) }
                     }
                 }
-                @for ReferenceRow { name, words, criteria } in &task.references {
+                @for ReferenceRow { name, words, criteria, infeasible } in &task.references {
                     tr {
-                        th scope="row" { (name) @if !words.is_empty() { span.note { (words) } } }
+                        th scope="row" {
+                            (name)
+                            @if !words.is_empty() { span.note { (words) } }
+                            @if *infeasible { span.note.alarm-text { "infeasible" } }
+                        }
                         @for (index, column) in task.criteria.iter().enumerate() { (criterion_cell(criteria.get(index), column)) }
                     }
                 }
@@ -198,7 +202,7 @@ fn ranks_table(task: &TaskSection, designs: &[Design], best_gain: f64) -> Markup
                             }
                         }
                         @for (index, column) in others.clone() { (criterion_cell(design.criteria.get(index), column)) }
-                        td.number data-label="starts agreeing" { (design.starts_agreeing) "/" (design.starts) }
+                        td.number data-label="starts agreeing" { (starts_in_short(design, "/")) }
                     }
                 }
             }
@@ -272,7 +276,7 @@ fn sweep_table(task: &TaskSection) -> Markup {
                                 @if !best.feasible { span.note.alarm-text { "infeasible" } }
                             } @else { "–" }
                         }
-                        td.number data-label="starts agreeing" { @if let Some(best) = best { (best.starts_agreeing) "/" (best.starts) } }
+                        td.number data-label="starts agreeing" { @if let Some(best) = best { (starts_in_short(best, "/")) } }
                     }
                 }
             }

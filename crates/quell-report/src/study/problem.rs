@@ -229,6 +229,7 @@ pub(super) fn evaluated(
             design
                 .references
                 .iter()
+                .map(|one| &one.configuration)
                 .chain(design.designs.iter().map(|one| &one.configuration)),
         ),
     }

@@ -81,6 +81,7 @@ impl Bridge<'_> {
             // References move with the swept parameter, so one row of numbers cannot stand for them.
             for reference in &mut section.references {
                 reference.criteria.clear();
+                reference.infeasible = false;
             }
             section.plots = swept_plots(task);
         } else if let Some(point) = first {
@@ -151,9 +152,10 @@ impl Bridge<'_> {
             .references
             .iter()
             .map(|reference| ReferenceRow {
-                name: reference.name.clone(),
-                words: reference_words(reference),
-                criteria: self.values(reference, &point.at, design, columns),
+                name: reference.configuration.name.clone(),
+                words: reference_words(&reference.configuration),
+                criteria: self.values(&reference.configuration, &point.at, design, columns),
+                infeasible: reference.misses_a_constraint(&findings.objective),
             })
             .collect()
     }
@@ -200,7 +202,7 @@ impl Bridge<'_> {
                 .map(|reference| {
                     found
                         .improvement
-                        .get(&reference.name)
+                        .get(&reference.configuration.name)
                         .map_or(f64::NAN, |gain| 100.0 * gain)
                 })
                 .collect(),
@@ -208,6 +210,7 @@ impl Bridge<'_> {
             starts_agreeing: found.starts_agreeing,
             evaluations: found.evaluations,
             feasible: found.feasible,
+            violation: 100.0 * found.violation,
             certificate: certificate.join(" · "),
         }
     }
