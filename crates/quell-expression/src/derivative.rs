@@ -64,11 +64,11 @@ fn rule(
             let second = of(b).map(|db| graph.multiply(a, db));
             sum(graph, first, second)
         }
-        // (a' - q b')/b with the quotient q at hand.
+        // (a' - q b')·(1/b) with the quotient q at hand; one reciprocal serves all directions.
         Operation::Divide(a, b) => {
             let second = of(b).map(|db| graph.multiply(slot, db));
             let above = difference(graph, of(a), second)?;
-            Some(graph.divide(above, b))
+            Some(over(graph, above, b))
         }
         Operation::WholePower(a, exponent) => {
             let da = of(a)?;
@@ -83,6 +83,13 @@ fn rule(
         Operation::Binary(function, a, b) => binary(graph, slot, function, (a, of(a)), (b, of(b))),
         Operation::Choose([a, b, c, d]) => choice(graph, [a, b], of(c), of(d)),
     }
+}
+
+/// a·(1/b): the reciprocal is shared, and known beforehand where b is a parameter.
+fn over(graph: &mut Graph, a: Slot, b: Slot) -> Slot {
+    let one = graph.constant(1.0);
+    let reciprocal = graph.divide(one, b);
+    graph.multiply(a, reciprocal)
 }
 
 fn sum(graph: &mut Graph, a: Option<Slot>, b: Option<Slot>) -> Option<Slot> {
@@ -174,7 +181,7 @@ fn unary(graph: &mut Graph, slot: Slot, function: Function, a: Slot, da: Slot) -
         Function::Asin | Function::Acos => {
             let product = one_minus_square(graph, a);
             let root = graph.unary(Function::Sqrt, product);
-            let quotient = graph.divide(da, root);
+            let quotient = over(graph, da, root);
             if function == Function::Asin {
                 quotient
             } else {
@@ -185,7 +192,7 @@ fn unary(graph: &mut Graph, slot: Slot, function: Function, a: Slot, da: Slot) -
         Function::Atan => {
             let square = graph.multiply(a, a);
             let below = graph.add(one, square);
-            graph.divide(da, below)
+            over(graph, da, below)
         }
         Function::Sinh => {
             let cosine = graph.unary(Function::Cosh, a);
@@ -201,16 +208,16 @@ fn unary(graph: &mut Graph, slot: Slot, function: Function, a: Slot, da: Slot) -
             graph.multiply(factor, da)
         }
         Function::Exp => graph.multiply(slot, da),
-        Function::Log => graph.divide(da, a),
+        Function::Log => over(graph, da, a),
         Function::Log10 => {
             let ten = graph.constant(std::f64::consts::LN_10);
             let below = graph.multiply(ten, a);
-            graph.divide(da, below)
+            over(graph, da, below)
         }
         // 1/(2 √a)
         Function::Sqrt => {
             let below = graph.add(slot, slot);
-            graph.divide(da, below)
+            over(graph, da, below)
         }
         Function::Abs => {
             let sign = graph.unary(Function::Sign, a);
@@ -248,7 +255,7 @@ fn binary(
             let above = difference(graph, first, second)?;
             let (square_a, square_b) = (graph.multiply(a, a), graph.multiply(b, b));
             let below = graph.add(square_a, square_b);
-            Some(graph.divide(above, below))
+            Some(over(graph, above, below))
         }
         // (a a' + b b')/h
         Function::Hypot => {

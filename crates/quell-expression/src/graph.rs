@@ -24,7 +24,7 @@ pub enum Differentiation {
 /// Expressions over numbered real inputs, as operations in the order of evaluation: each reads earlier ones only.
 ///
 /// Equal operations are stored once, so a part that occurs in many expressions and their derivatives is shared. The
-/// constructors fold constants and leave out what is exact in floating point (x·1, x/1, x - 0, -(-x)), so a value
+/// constructors fold constants and change only what is exact in floating point (x·1, x/2, x - 0, -(-x), (-x)·y), so a value
 /// has the bits that evaluating the expression gives. 0·x stays, since x may be infinite; a derivative that is zero by
 /// structure is none at all.
 ///
@@ -143,15 +143,44 @@ impl Graph {
                 _ => {}
             }
         }
+        // Signs go outwards, where sums take them up.
+        match (self.operation(a), self.operation(b)) {
+            (Operation::Negate(a), Operation::Negate(b)) => return self.multiply(a, b),
+            (Operation::Negate(a), _) => {
+                let product = self.multiply(a, b);
+                return self.negate(product);
+            }
+            (_, Operation::Negate(b)) => {
+                let product = self.multiply(a, b);
+                return self.negate(product);
+            }
+            _ => {}
+        }
         self.push(Operation::Multiply(a.min(b), a.max(b)))
     }
 
     /// a/b
     pub fn divide(&mut self, a: Slot, b: Slot) -> Slot {
-        if self.as_constant(b) == Some(1.0) {
-            return a;
+        match self.as_constant(b) {
+            Some(1.0) => return a,
+            Some(below) if is_power_of_two(below) => {
+                let factor = self.constant(1.0 / below);
+                return self.multiply(a, factor);
+            }
+            _ => {}
         }
-        self.push(Operation::Divide(a, b))
+        match (self.operation(a), self.operation(b)) {
+            (Operation::Negate(a), Operation::Negate(b)) => self.divide(a, b),
+            (Operation::Negate(a), _) => {
+                let quotient = self.divide(a, b);
+                self.negate(quotient)
+            }
+            (_, Operation::Negate(b)) => {
+                let quotient = self.divide(a, b);
+                self.negate(quotient)
+            }
+            _ => self.push(Operation::Divide(a, b)),
+        }
     }
 
     /// a^b; for a constant whole b of at most 64 by multiplication alone.
@@ -247,8 +276,11 @@ impl Graph {
     }
 
     /// The same expressions with inputs replaced; an input that is not mentioned stays.
+    ///
+    /// Replacing by the constant 0 takes away what it multiplies, wherever that may be infinite.
     pub fn substitute(&mut self, roots: &[Slot], with: &[(usize, Slot)]) -> Vec<Slot> {
         let order = self.needed(roots, Differentiation::Exact);
+        let zero = self.constant(0.0);
         let mut moved: HashMap<Slot, Slot> = HashMap::with_capacity(order.len());
         for slot in order {
             let operation = self.operation(slot);
@@ -257,15 +289,28 @@ impl Graph {
                     .iter()
                     .find(|(input, _)| *input == index as usize)
                     .map_or(slot, |(_, other)| *other),
-                _ => self.rebuild(operation.map(|operand| {
-                    // Operands come first in the order.
-                    moved.get(&operand).copied().unwrap_or(operand)
-                })),
+                // Operands come first in the order.
+                _ => self.without_zeros(
+                    operation.map(|operand| moved.get(&operand).copied().unwrap_or(operand)),
+                    zero,
+                ),
             };
             moved.insert(slot, place);
         }
         let of = |root: &Slot| moved.get(root).copied().unwrap_or(*root);
         roots.iter().map(of).collect()
+    }
+
+    /// The operation where a constant zero is none.
+    fn without_zeros(&mut self, operation: Operation, zero: Slot) -> Slot {
+        match operation {
+            Operation::Multiply(a, b) if a == zero || b == zero => zero,
+            Operation::Divide(a, _) | Operation::Negate(a) if a == zero => zero,
+            Operation::Add(a, b) if a == zero => b,
+            Operation::Add(a, b) if b == zero => a,
+            Operation::Subtract(a, b) if a == zero => self.negate(b),
+            _ => self.rebuild(operation),
+        }
     }
 
     /// Copies expressions of another graph, whose input i becomes the slot `inputs[i]`, or keeps its number where there
@@ -359,4 +404,11 @@ impl Graph {
             Slot::at(operations.len() - 1)
         })
     }
+}
+
+/// Whether dividing by it is the same, to the last bit, as multiplying by its reciprocal.
+fn is_power_of_two(value: f64) -> bool {
+    const MANTISSA: u64 = (1 << 52) - 1;
+    let magnitude = value.abs();
+    value.to_bits() & MANTISSA == 0 && (1e-300..1e300).contains(&magnitude)
 }

@@ -2,9 +2,11 @@
 
 mod code;
 mod compile;
+mod rows;
 mod workspace;
 
-use code::{Instruction, run};
+use code::{Stream, run};
+use pulp::Arch;
 pub use workspace::{BatchWorkspace, Workspace};
 
 /// Points that a batch evaluates together.
@@ -37,7 +39,7 @@ pub const LANES: usize = 16;
 #[derive(Debug, Clone, Default)]
 pub struct Program {
     /// Operations on parameters and constants, in registers of their own.
-    preparation: Vec<Instruction>,
+    preparation: Stream,
     /// Constants of the preparation, which fill its first registers.
     constants: Vec<f64>,
     /// Inputs that the preparation reads, with their registers.
@@ -54,7 +56,7 @@ pub struct Program {
 /// What one level adds.
 #[derive(Debug, Clone, Default)]
 struct Level {
-    instructions: Vec<Instruction>,
+    stream: Stream,
     /// Registers of its outputs.
     outputs: Vec<u32>,
 }
@@ -77,7 +79,7 @@ impl Program {
     #[must_use]
     pub fn operations(&self, level: usize) -> usize {
         let levels = self.levels.iter().take(level + 1);
-        levels.map(|level| level.instructions.len()).sum()
+        levels.map(|level| level.stream.instructions.len()).sum()
     }
 
     /// Number of registers of an evaluation, its working set.
@@ -133,17 +135,20 @@ impl Program {
         workspace: &mut BatchWorkspace,
         outputs: &mut [[f64; LANES]],
     ) {
-        let mut outputs = outputs.iter_mut();
-        self.evaluate_with(
-            level,
-            |index| inputs.get(index).copied().unwrap_or([f64::NAN; LANES]),
-            workspace,
-            |values| {
-                if let Some(output) = outputs.next() {
-                    *output = values;
-                }
-            },
-        );
+        // The widest vectors of the machine; the arithmetic, and with it every bit, is the same.
+        Arch::new().dispatch(|| {
+            let mut outputs = outputs.iter_mut();
+            self.evaluate_with(
+                level,
+                |index| inputs.get(index).copied().unwrap_or([f64::NAN; LANES]),
+                workspace,
+                |values| {
+                    if let Some(output) = outputs.next() {
+                        *output = values;
+                    }
+                },
+            );
+        });
     }
 
     fn prepare_with<const L: usize>(
@@ -164,7 +169,11 @@ impl Program {
         }
     }
 
-    #[inline]
+    #[expect(
+        clippy::inline_always,
+        reason = "only what is inlined is compiled for the vectors of the machine"
+    )]
+    #[inline(always)]
     fn evaluate_with<const L: usize>(
         &self,
         level: usize,
@@ -178,7 +187,7 @@ impl Program {
             *register = input(*index as usize);
         }
         for level in self.levels.iter().take(level + 1) {
-            run(&level.instructions, registers);
+            run(&level.stream, registers);
             for register in &level.outputs {
                 output(registers[*register as usize]);
             }

@@ -1,5 +1,6 @@
 //! Instructions, and the one loop that runs them.
 
+use super::rows::Term;
 use crate::Function;
 use crate::evaluate::{power, whole_power};
 use crate::operation::{Operation, Slot, choose};
@@ -20,6 +21,8 @@ pub(super) enum Code {
     MultiplySubtract,
     /// c - a b
     SubtractProduct,
+    /// Σ ± a b over terms; the operands are the first of them and their number
+    Row,
     Square,
     Cube,
     WholePower,
@@ -98,6 +101,7 @@ impl Instruction {
             | Code::Hypot => 2,
             Code::MultiplyAdd | Code::MultiplySubtract | Code::SubtractProduct => 3,
             Code::Choose => 4,
+            Code::Row => 0,
             _ => 1,
         };
         self.operands.get(..count).unwrap_or(&[])
@@ -143,9 +147,24 @@ impl From<Function> for Code {
     }
 }
 
+/// Instructions with the terms of their rows.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Stream {
+    pub(super) instructions: Vec<Instruction>,
+    pub(super) terms: Vec<Term>,
+}
+
 /// Runs instructions on registers of L points each, in every lane the same arithmetic.
-#[inline]
-pub(super) fn run<const L: usize>(instructions: &[Instruction], registers: &mut [[f64; L]]) {
+#[expect(
+    clippy::inline_always,
+    reason = "only what is inlined is compiled for the vectors of the machine"
+)]
+#[inline(always)]
+pub(super) fn run<const L: usize>(stream: &Stream, registers: &mut [[f64; L]]) {
+    let Stream {
+        instructions,
+        terms,
+    } = stream;
     for instruction in instructions {
         let place = instruction.target as usize;
         let [a, b, c, d] = instruction.operands;
@@ -182,6 +201,22 @@ pub(super) fn run<const L: usize>(instructions: &[Instruction], registers: &mut 
             Code::MultiplyAdd => three!(|a: f64, b: f64, c: f64| a * b + c),
             Code::MultiplySubtract => three!(|a: f64, b: f64, c: f64| a * b - c),
             Code::SubtractProduct => three!(|a: f64, b: f64, c: f64| c - a * b),
+            Code::Row => {
+                let mut sum = [0.0; L];
+                let terms = terms.get(a as usize..(a + b) as usize).unwrap_or(&[]);
+                if let Some((first, rest)) = terms.split_first() {
+                    let (a, b) = (&registers[first.a as usize], &registers[first.b as usize]);
+                    sum = std::array::from_fn(|lane| a[lane] * b[lane]);
+                    for term in rest {
+                        let (a, b) = (&registers[term.a as usize], &registers[term.b as usize]);
+                        for lane in 0..L {
+                            let product = a[lane] * b[lane];
+                            sum[lane] += f64::from_bits(product.to_bits() ^ term.sign);
+                        }
+                    }
+                }
+                registers[place] = sum;
+            }
             Code::Square => one!(|a: f64| a * a),
             Code::Cube => one!(|a: f64| a * (a * a)),
             Code::WholePower => one!(|a: f64| whole_power(a, b.cast_signed())),

@@ -1,6 +1,7 @@
 //! From a graph to a program: what to hoist, in which order to compute, in which registers.
 
-use super::code::{Code, Instruction};
+use super::code::{Code, Instruction, Stream};
+use super::rows::{Step, Term, join};
 use super::{Level, Program};
 use crate::graph::{Differentiation, Graph};
 use crate::operation::{Operation, Slot};
@@ -22,7 +23,8 @@ impl Program {
         levels: &[Vec<Slot>],
         is_parameter: impl Fn(usize) -> bool,
     ) -> Self {
-        let (graph, levels) = without_holds(graph, levels);
+        let (mut graph, levels) = without_holds(graph, levels);
+        let one = graph.constant(1.0);
         let mut known = Vec::with_capacity(graph.len());
         for operation in graph.operations() {
             known.push(match operation {
@@ -48,7 +50,14 @@ impl Program {
             }
             streams.push(stream);
         }
-        fuse(&mut streams, &levels, graph.len());
+        let mut read = vec![0_u32; graph.len()];
+        for slot in streams.iter().flatten().flat_map(Instruction::reads) {
+            read[*slot as usize] += 1;
+        }
+        for output in levels.iter().flatten() {
+            read[output.index()] += 1;
+        }
+        let streams = join(streams, &read, one.0);
         Compiler {
             graph: &graph,
             known: &known,
@@ -84,49 +93,6 @@ fn without_holds(graph: &Graph, levels: &[Vec<Slot>]) -> (Graph, Vec<Vec<Slot>>)
     (plain, levels)
 }
 
-/// Joins a product that is read once, by a sum or difference, with its reader: one dispatch, the same two roundings.
-fn fuse(streams: &mut [Vec<Instruction>], levels: &[Vec<Slot>], slots: usize) {
-    let mut reads = vec![0_u32; slots];
-    let mut products: Vec<Option<[u32; 2]>> = vec![None; slots];
-    for instruction in streams.iter().flatten() {
-        for operand in instruction.reads() {
-            reads[*operand as usize] += 1;
-        }
-        if instruction.code == Code::Multiply {
-            let [a, b, ..] = instruction.operands;
-            products[instruction.target as usize] = Some([a, b]);
-        }
-    }
-    for output in levels.iter().flatten() {
-        reads[output.index()] += 1;
-    }
-    let single = |slot: u32| products[slot as usize].filter(|_| reads[slot as usize] == 1);
-    let mut joined = vec![false; slots];
-    for instruction in streams.iter_mut().flatten() {
-        let [a, b, ..] = instruction.operands;
-        let (code, product, other) = match instruction.code {
-            Code::Add => match (single(a), single(b)) {
-                (_, Some(product)) => (Code::MultiplyAdd, (b, product), a),
-                (Some(product), None) => (Code::MultiplyAdd, (a, product), b),
-                (None, None) => continue,
-            },
-            Code::Subtract => match (single(a), single(b)) {
-                (_, Some(product)) => (Code::SubtractProduct, (b, product), a),
-                (Some(product), None) => (Code::MultiplySubtract, (a, product), b),
-                (None, None) => continue,
-            },
-            _ => continue,
-        };
-        let (slot, [first, second]) = product;
-        joined[slot as usize] = true;
-        instruction.code = code;
-        instruction.operands = [first, second, other, 0];
-    }
-    for stream in streams {
-        stream.retain(|instruction| !joined[instruction.target as usize]);
-    }
-}
-
 struct Compiler<'a> {
     graph: &'a Graph,
     known: &'a [Known],
@@ -136,12 +102,12 @@ struct Compiler<'a> {
 }
 
 impl Compiler<'_> {
-    fn finish(mut self, streams: &[Vec<Instruction>], levels: &[Vec<Slot>]) -> Program {
-        let reads = streams
-            .iter()
-            .flatten()
-            .flat_map(|instruction| instruction.reads().iter().map(|read| Slot(*read)));
-        let mut read: Vec<Slot> = reads.chain(levels.iter().flatten().copied()).collect();
+    fn finish(mut self, streams: &[Vec<Step>], levels: &[Vec<Slot>]) -> Program {
+        let reads = streams.iter().flatten().flat_map(Step::reads);
+        let mut read: Vec<Slot> = reads
+            .map(Slot)
+            .chain(levels.iter().flatten().copied())
+            .collect();
         read.sort_unstable();
         read.dedup();
         let (kept, varying): (Vec<Slot>, Vec<Slot>) = read
@@ -184,7 +150,7 @@ impl Compiler<'_> {
                 self.program.parameters.push((input as u32, next));
             } else if let Some(instruction) = Instruction::of(*slot, self.graph.operation(*slot)) {
                 let renamed = instruction.renamed(next, |read| self.place(read));
-                self.program.preparation.push(renamed);
+                self.program.preparation.instructions.push(renamed);
             }
             next += 1;
         }
@@ -202,15 +168,15 @@ impl Compiler<'_> {
     }
 
     /// Gives every value a register for as long as it is read.
-    fn allocate(&mut self, streams: &[Vec<Instruction>], levels: &[Vec<Slot>], fixed: usize) {
+    fn allocate(&mut self, streams: &[Vec<Step>], levels: &[Vec<Slot>], fixed: usize) {
         // The time of a value's last reading; outputs are read at the end of their level.
         let mut last = vec![0_usize; self.graph.len()];
         let mut time = 0;
         for (stream, outputs) in streams.iter().zip(levels) {
-            for instruction in stream {
+            for step in stream {
                 time += 1;
-                for read in instruction.reads() {
-                    last[*read as usize] = time;
+                for read in step.reads() {
+                    last[read as usize] = time;
                 }
             }
             time += 1;
@@ -221,33 +187,55 @@ impl Compiler<'_> {
         let mut free: Vec<u32> = Vec::new();
         let mut registers = fixed;
         let mut time = 0;
-        for (stream, outputs) in streams.iter().zip(levels) {
-            let mut level = Level::default();
-            for instruction in stream {
+        for (steps, outputs) in streams.iter().zip(levels) {
+            let mut stream = Stream::default();
+            for step in steps {
                 time += 1;
-                let operands = instruction.renamed(0, |read| self.place(read)).operands;
-                for read in instruction.reads() {
-                    self.release(*read, last[*read as usize] == time, fixed, &mut free);
+                let instruction = self.encode(step, &mut stream.terms);
+                for read in step.reads() {
+                    self.release(read, last[read as usize] == time, fixed, &mut free);
                 }
                 let target = free.pop().unwrap_or_else(|| {
                     registers += 1;
                     (registers - 1) as u32
                 });
-                self.places[instruction.target as usize] = Some(target);
-                level.instructions.push(Instruction {
-                    code: instruction.code,
+                self.places[step.target() as usize] = Some(target);
+                stream.instructions.push(Instruction {
                     target,
-                    operands,
+                    ..instruction
                 });
             }
             time += 1;
-            level.outputs = outputs.iter().map(|slot| self.place(slot.0)).collect();
+            let places = outputs.iter().map(|slot| self.place(slot.0)).collect();
             for output in outputs {
                 self.release(output.0, last[output.index()] == time, fixed, &mut free);
             }
-            self.program.levels.push(level);
+            self.program.levels.push(Level {
+                stream,
+                outputs: places,
+            });
         }
         self.program.registers = registers;
+    }
+
+    /// The instruction of a step, with the registers that it reads.
+    fn encode(&self, step: &Step, terms: &mut Vec<Term>) -> Instruction {
+        match step {
+            Step::One(instruction) => instruction.renamed(0, |read| self.place(read)),
+            Step::Row(_, own) => {
+                let first = terms.len() as u32;
+                terms.extend(own.iter().map(|term| Term {
+                    a: self.place(term.a),
+                    b: self.place(term.b),
+                    sign: term.sign,
+                }));
+                Instruction {
+                    code: Code::Row,
+                    target: 0,
+                    operands: [first, own.len() as u32, 0, 0],
+                }
+            }
+        }
     }
 
     /// Frees the register of a value that was read for the last time.
