@@ -1,0 +1,179 @@
+//! The search of one candidate: its best values, certified.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use quell_document::Fault;
+use quell_search::{Outcome, Problem, Settings, Side, search};
+
+use super::Runner;
+use crate::candidates::Candidate;
+use crate::configuration::evaluated;
+use crate::evaluator::{Evaluator, EvaluatorScratch};
+use crate::outcome::Evaluated;
+use crate::problem::{DesignProblem, Verdict};
+use crate::situation::Situation;
+use crate::study::DesignTask;
+
+/// Most rounds of searching again after a certificate found a peak that the grid had missed.
+const ROUNDS: usize = 6;
+
+/// A design before it is ranked.
+pub(super) struct Found {
+    pub(super) candidate: Candidate,
+    /// Values of the design variables.
+    pub(super) point: Vec<f64>,
+    /// Certified values of all criteria.
+    pub(super) evaluated: Evaluated,
+    pub(super) verdict: Verdict,
+    pub(super) active_bounds: Vec<String>,
+    pub(super) starts: usize,
+    pub(super) starts_agreeing: usize,
+    pub(super) evaluations: u64,
+    pub(super) status: String,
+}
+
+impl Runner<'_> {
+    /// Searches the values of one candidate, certifies the best, and searches again where a certificate finds more.
+    pub(super) fn candidate(
+        &self,
+        situation: &Situation,
+        design: &DesignTask,
+        candidate: Candidate,
+    ) -> Result<Found, Fault> {
+        let mut problem = DesignProblem::of(self.study, situation, design, &candidate)?;
+        let dimension = problem.variables().len();
+        let mut settings = Settings::for_dimension(dimension);
+        settings.seed = self.settings.seed;
+        settings.feasibility = design.feasibility;
+        if let Some(starts) = design.starts {
+            settings.starts = starts;
+        }
+        let key = stream_key(&candidate);
+        let mut evaluations = 0;
+        let mut rounds = 0;
+        let (outcome, missed) = loop {
+            let outcome = if dimension == 0 {
+                nothing_to_search(&problem)
+            } else {
+                search(&problem, &settings, key)
+            };
+            evaluations += outcome.evaluations as u64;
+            if outcome.point.len() != dimension {
+                break (outcome, true);
+            }
+            let mut scratch = EvaluatorScratch::default();
+            problem
+                .evaluator
+                .built()
+                .values(&outcome.point, &mut scratch.values);
+            let (_, missed) = problem.evaluator.certified(&mut scratch);
+            rounds += 1;
+            if missed.is_empty() || rounds == ROUNDS || dimension == 0 {
+                break (outcome, !missed.is_empty());
+            }
+            problem.evaluator.add_frequencies(&missed)?;
+        };
+        self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
+        let all = Evaluator::new(
+            self.study,
+            situation,
+            Arc::clone(problem.evaluator.built()),
+            None,
+        )?;
+        let evaluated = evaluated(&candidate.label(), &all, &outcome.point);
+        let verdict = Verdict::on(&evaluated, design, &problem.constraints);
+        Ok(Found {
+            status: status(design, &evaluated, verdict, &outcome, missed),
+            active_bounds: active_bounds(&problem, &outcome),
+            starts: outcome.starts,
+            starts_agreeing: outcome.starts_agreeing,
+            candidate,
+            point: outcome.point,
+            evaluated,
+            verdict,
+            evaluations,
+        })
+    }
+}
+
+/// How the search of a candidate ended, in words.
+fn status(
+    design: &DesignTask,
+    evaluated: &Evaluated,
+    verdict: Verdict,
+    outcome: &Outcome,
+    missed: bool,
+) -> String {
+    if !verdict.objective.is_finite() {
+        let detail = evaluated.details.get(&design.objective);
+        return detail.map_or_else(|| "no value".to_owned(), |detail| detail.status.clone());
+    }
+    if !verdict.feasible {
+        "infeasible: no values were found that meet every constraint; this is the least violation"
+    } else if missed {
+        "searched again as often as allowed; the certified value is above the search's estimate"
+    } else if outcome.starts <= 1 {
+        "one start"
+    } else if outcome.starts_agreeing <= 1 {
+        "no two starts agree: raise `starts`"
+    } else {
+        "starts agree"
+    }
+    .to_owned()
+}
+
+fn active_bounds(problem: &DesignProblem, outcome: &Outcome) -> Vec<String> {
+    let variables = problem.variables();
+    outcome
+        .active_bounds
+        .iter()
+        .filter_map(|(index, side)| {
+            let side = match side {
+                Side::Lower => "lower",
+                Side::Upper => "upper",
+            };
+            Some(format!("{} = {side}", variables.get(*index)?.name))
+        })
+        .collect()
+}
+
+/// A candidate without design variables: one evaluation.
+fn nothing_to_search(problem: &DesignProblem) -> Outcome {
+    let mut scratch = problem.scratch();
+    let mut constraints = vec![0.0; problem.constraints()];
+    let objective = problem.evaluate(&[], &mut constraints, &mut scratch);
+    let violation = constraints.iter().copied().fold(0.0, f64::max);
+    Outcome {
+        point: Vec::new(),
+        objective,
+        constraints,
+        violation,
+        feasible: violation <= 0.0,
+        active_bounds: Vec::new(),
+        starts: 1,
+        starts_agreeing: 1,
+        evaluations: 1,
+        status: quell_search::Status::SingleStart,
+        certificate: None,
+    }
+}
+
+/// The random stream's key: the same for the same candidate wherever it stands in a list.
+fn stream_key(candidate: &Candidate) -> u64 {
+    let mut hasher = blake3::Hasher::new();
+    for (slot, layout, _) in &candidate.layouts {
+        hasher.update(slot.device.as_bytes());
+        hasher.update(&[0]);
+        hasher.update(slot.placeholder.as_deref().unwrap_or_default().as_bytes());
+        hasher.update(&[0]);
+        hasher.update(layout.canonical().to_string().as_bytes());
+        hasher.update(&[0]);
+    }
+    let bytes = hasher.finalize();
+    bytes
+        .as_bytes()
+        .iter()
+        .take(8)
+        .fold(0, |key, byte| (key << 8) | u64::from(*byte))
+}
