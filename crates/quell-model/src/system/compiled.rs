@@ -10,7 +10,7 @@ use super::error::SystemError;
 use super::inputs::Parameter;
 use super::prepared::Prepared;
 use super::watched::{Phase, Quantity, Watched};
-use crate::equations::{EquationHost, Waveform};
+use crate::equations::{EquationHost, Symbol, Waveform};
 
 /// A host with devices on its ports as x' = f(t, x), compiled; parameters may change from one evaluation to the next.
 ///
@@ -96,13 +96,7 @@ impl System {
         watched: &[Watched],
         phase: Phase,
     ) -> Result<Self, SystemError> {
-        let wanted: Vec<Quantity> = watched
-            .iter()
-            .filter_map(|item| match item {
-                Watched::Quantity(quantity) => Some(*quantity),
-                Watched::Host(_) => None,
-            })
-            .collect();
+        let wanted = wanted(host, watched);
         let (mut assembler, mut assembled) =
             Assembler::assemble(host, placeholders, devices, &wanted, phase)?;
         let watched = assembler.watch(&mut assembled, watched)?;
@@ -308,6 +302,27 @@ impl System {
             }
         })
     }
+}
+
+/// Quantities that are watched, massless coordinates within expressions included.
+fn wanted(host: &EquationHost, watched: &[Watched]) -> Vec<Quantity> {
+    let mut found = Vec::new();
+    for item in watched {
+        match item {
+            Watched::Quantity(quantity) => found.push(*quantity),
+            Watched::Host(slot) => {
+                for input in host.graph.dependence(&[*slot]) {
+                    if let Some(Symbol::Coordinate { index, order }) = host.symbols.get(input) {
+                        found.push(Quantity::Coordinate {
+                            index: *index,
+                            order: *order,
+                        });
+                    }
+                }
+            }
+        }
+    }
+    found
 }
 
 /// Which graph inputs are parameters.

@@ -2,8 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use quell_expression::{Dimension, Graph, Slot};
+use quell_expression::{Dimension, Expression, ExpressionError, Graph, Rate, Slot};
 use quell_network::{Law, Mechanism};
+
+use crate::equations::{EquationHost, ExtraNames, Symbol};
 
 /// A parameter of a force law.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,44 +27,82 @@ pub struct ForceLaw {
     graph: Graph,
     force: Slot,
     parameters: Vec<LawParameter>,
-    /// Graph inputs of the host that follow the law's own parameters.
-    host: Vec<usize>,
+    /// The graph input of x; v and the own parameters follow, and what is before is the host's.
+    first: usize,
 }
 
 impl ForceLaw {
-    /// A law built as operations, from x, v, the own parameters and the host's graph inputs named in `host`.
+    /// A law built as operations, from x, v, the own parameters and those graph inputs of the host named in `host`.
     pub fn new(
         parameters: Vec<LawParameter>,
-        host: Vec<usize>,
+        host: &[usize],
         build: impl FnOnce(&mut Graph, Slot, Slot, &[Slot]) -> Slot,
     ) -> Self {
+        let first = host.iter().map(|input| input + 1).max().unwrap_or(0);
         let mut graph = Graph::default();
-        let (x, v) = (graph.input(0), graph.input(1));
-        let rest: Vec<Slot> = (0..parameters.len() + host.len())
-            .map(|index| graph.input(2 + index))
+        let (x, v) = (graph.input(first), graph.input(first + 1));
+        let own = (0..parameters.len()).map(|index| first + 2 + index);
+        let rest: Vec<Slot> = own
+            .chain(host.iter().copied())
+            .map(|input| graph.input(input))
             .collect();
         let force = build(&mut graph, x, v, &rest);
         Self {
             graph,
             force,
             parameters,
-            host,
+            first,
         }
     }
 
-    /// A law whose force is already an operation of a graph with inputs x, v, own parameters, then those of the host.
-    pub(crate) const fn from_graph(
-        graph: Graph,
-        force: Slot,
+    /// A law as text: an expression of `x`, `v`, the own parameters and the host's parameters, definitions and functions
+    /// as far as these are of parameters only.
+    ///
+    /// - `motion`, `force`: SI dimensions of x and F.
+    ///
+    /// # Errors
+    /// As [`EquationHost::lower`]; another dimension than that of a force; anything in it that moves but x and v.
+    pub fn lower(
+        host: &EquationHost,
+        expression: &Expression,
         parameters: Vec<LawParameter>,
-        host: Vec<usize>,
-    ) -> Self {
-        Self {
-            graph,
-            force,
-            parameters,
-            host,
+        motion: Dimension,
+        force: Dimension,
+    ) -> Result<Self, ExpressionError> {
+        let mut graph = host.graph.clone();
+        let first = host.symbols.len();
+        let names = LawNames {
+            first,
+            slots: (0..parameters.len() + 2)
+                .map(|index| graph.input(first + index))
+                .collect(),
+            parameters: &parameters,
+            motion,
+        };
+        let (slot, found) = host.lower(&mut graph, expression, &names)?;
+        let literal = graph.as_constant(slot).is_some();
+        if !host.dimensionless && !literal && found.without_angle() != force.without_angle() {
+            return Err(ExpressionError::new(
+                expression.span,
+                format!("this is in {found}, but a force in {force} is wanted"),
+            ));
         }
+        let moving = graph.dependence(&[slot]).into_iter().find(|input| {
+            *input < first && !matches!(host.symbols.get(*input), Some(Symbol::Parameter { .. }))
+        });
+        if moving.is_some() {
+            return Err(ExpressionError::new(
+                expression.span,
+                "the force of an element depends on its own displacement `x`, its rate `v` and parameters only",
+            )
+            .with_help("what depends on the host's motion belongs into the host's equations"));
+        }
+        Ok(Self {
+            graph,
+            force: slot,
+            parameters,
+            first,
+        })
     }
 
     /// Its own parameters.
@@ -78,27 +118,71 @@ impl ForceLaw {
     /// Whether the force depends on the relative displacement.
     #[must_use]
     pub fn depends_on_displacement(&self) -> bool {
-        self.dependence().contains(&0)
+        self.dependence().contains(&self.first)
     }
 
     /// Whether the force depends on the rate.
     #[must_use]
     pub fn depends_on_rate(&self) -> bool {
-        self.dependence().contains(&1)
+        self.dependence().contains(&(self.first + 1))
     }
 
-    /// The force as an operation of another graph.
+    /// The force as an operation of another graph, in which the host's inputs have the same numbers.
     pub(crate) fn append(&self, graph: &mut Graph, x: Slot, v: Slot, own: &[Slot]) -> Slot {
-        let mut inputs = vec![x, v];
+        let mut inputs: Vec<Slot> = (0..self.first).map(|index| graph.input(index)).collect();
+        inputs.extend([x, v]);
         inputs.extend_from_slice(own);
-        for index in &self.host {
-            inputs.push(graph.input(*index));
-        }
         graph
             .append(&self.graph, &[self.force], &inputs)
             .first()
             .copied()
             .unwrap_or(x)
+    }
+}
+
+/// x, v and own parameters.
+struct LawNames<'a> {
+    first: usize,
+    slots: Vec<Slot>,
+    parameters: &'a [LawParameter],
+    motion: Dimension,
+}
+
+impl ExtraNames for LawNames<'_> {
+    fn value(&self, name: &str) -> Option<(Slot, Dimension)> {
+        let (place, dimension) = match name {
+            "x" => (0, self.motion),
+            "v" => (1, self.motion / Dimension::TIME),
+            _ => {
+                let found = self
+                    .parameters
+                    .iter()
+                    .position(|parameter| parameter.name == name)?;
+                (found + 2, self.parameters.get(found)?.dimension)
+            }
+        };
+        Some((*self.slots.get(place)?, dimension))
+    }
+
+    fn rate(&self, input: usize) -> Option<Rate> {
+        match input.checked_sub(self.first)? {
+            0 => Some(Rate::Input(self.first + 1)),
+            1 => Some(Rate::Unknown("the rate of `v`".to_owned())),
+            _ => Some(Rate::Constant(0.0)),
+        }
+    }
+
+    fn present(&self, input: usize) -> Option<f64> {
+        let place = input.checked_sub(self.first + 2)?;
+        Some(self.parameters.get(place)?.value)
+    }
+
+    fn names(&self) -> Vec<&str> {
+        let own = self.parameters.iter();
+        ["x", "v"]
+            .into_iter()
+            .chain(own.map(|parameter| parameter.name.as_str()))
+            .collect()
     }
 }
 

@@ -5,10 +5,12 @@
 //! their exact derivatives. [`System::prepare`] puts in values of the parameters.
 
 mod assembly;
+mod batch;
 mod compiled;
 mod dense;
 mod device;
 mod elimination;
+mod equilibrium;
 mod error;
 mod inputs;
 mod layers;
@@ -16,12 +18,16 @@ mod motion;
 mod newton;
 mod prepared;
 mod structure;
+mod vocabulary;
 mod watched;
 
 pub use assembly::{State, StateKind};
+pub use batch::Batch;
 pub use compiled::System;
 pub use device::{Device, ForceLaw, LawParameter};
+pub use equilibrium::{Equilibrium, EquilibriumStatus};
 pub use error::SystemError;
 pub use inputs::{Owner, Parameter};
 pub use prepared::{Linearised, Prepared};
+pub use vocabulary::Vocabulary;
 pub use watched::{Phase, Quantity, Watched};

@@ -429,9 +429,8 @@ impl Structure<'_> {
         self.host_rows(inputs, &mut right, &mut left);
         for (order, row) in watched {
             for rows in [&mut right, &mut left] {
-                match order {
-                    0 => rows.stiffness.push(row.clone()),
-                    _ => rows.damping.push(row.clone()),
+                if let Some(watched) = rows.watched.get_mut(*order) {
+                    watched.push(row.clone());
                 }
             }
         }

@@ -40,6 +40,8 @@ pub(crate) struct Rows {
     pub(crate) stiffness: Vec<Vec<f64>>,
     pub(crate) damping: Vec<Vec<f64>>,
     pub(crate) inertia: Vec<Vec<f64>>,
+    /// Strokes whose position, and strokes whose rate, the state must tell although nothing may depend on them.
+    pub(crate) watched: [Vec<Vec<f64>>; 2],
 }
 
 /// A basis of U adapted to the kinds; each direction is a vector over U.
@@ -64,9 +66,10 @@ impl Rows {
         if let Some(loose) = null(&[k, c, m]).into_iter().next() {
             return Err(loose);
         }
+        let [positions, rates] = &self.watched;
         let algebraic = null(&[m, c]);
-        let first_neutral = null(&[m, k]);
-        let conserved = null(&[k, c]);
+        let first_neutral = null(&[m, k, positions]);
+        let conserved = null(&[k, c, positions, rates]);
         let mut within = Span::new(self.size);
         within.extend(&algebraic);
         within.extend(&first_neutral);
@@ -74,7 +77,7 @@ impl Rows {
         let mut neutral = Span::new(self.size);
         neutral.extend(&first_neutral);
         neutral.extend(&conserved);
-        let second_neutral = neutral.extend(&null(&[k]));
+        let second_neutral = neutral.extend(&null(&[k, positions]));
         within.extend(&conserved);
         within.extend(&second_neutral);
         let units: Vec<Vec<f64>> = (0..self.size).map(|i| unit(self.size, i)).collect();

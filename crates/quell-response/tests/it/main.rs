@@ -8,3 +8,4 @@ mod errors;
 mod harness;
 mod modes;
 mod responses;
+mod systems;
