@@ -78,7 +78,7 @@ fn batch<const N: usize>(bencher: Bencher, equations: &Equations, scale: f64, le
 }
 
 mod aeroelastic_section {
-    use super::*;
+    use super::{Bencher, alone, batch, black_box, section};
 
     const SCALE: f64 = 0.1;
 
@@ -86,7 +86,7 @@ mod aeroelastic_section {
     fn by_hand(bencher: Bencher) {
         let parameters = section::Section::default();
         super::by_hand(bencher, SCALE, |x, out| {
-            section::rates(black_box(&parameters), x, out)
+            section::rates(black_box(&parameters), x, out);
         });
     }
 
@@ -94,7 +94,7 @@ mod aeroelastic_section {
     fn by_hand_prepared(bencher: Bencher) {
         let prepared = section::prepare(&section::Section::default());
         super::by_hand(bencher, SCALE, |x, out| {
-            section::prepared_rates(black_box(&prepared), x, out)
+            section::prepared_rates(black_box(&prepared), x, out);
         });
     }
 
@@ -115,7 +115,7 @@ mod aeroelastic_section {
 }
 
 mod landing_gear {
-    use super::*;
+    use super::{Bencher, alone, batch, black_box, gear};
 
     const SCALE: f64 = 0.03;
 
@@ -123,7 +123,7 @@ mod landing_gear {
     fn by_hand(bencher: Bencher) {
         let parameters = gear::Gear::default();
         super::by_hand(bencher, SCALE, |x, out| {
-            gear::rates(black_box(&parameters), x, out)
+            gear::rates(black_box(&parameters), x, out);
         });
     }
 

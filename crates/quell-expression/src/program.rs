@@ -3,6 +3,7 @@
 mod code;
 mod compile;
 mod rows;
+mod schedule;
 mod workspace;
 
 use code::{Stream, run};

@@ -3,7 +3,8 @@
 #![allow(
     dead_code,
     unreachable_pub,
-    clippy::many_single_char_names,
+    clippy::panic,
+    clippy::unwrap_used,
     reason = "the benchmarks share the cases"
 )]
 
@@ -115,11 +116,11 @@ fn a_gear_has_the_rates_written_by_hand() {
     let expected = [
         -0.3,
         1.2,
-        -45.1709441676,
-        -142.6809383414,
-        0.000820178559972,
-        0.3208554884586,
-        0.1202777777778,
+        -45.170_944_167_6,
+        -142.680_938_341_4,
+        0.000_820_178_559_972,
+        0.320_855_488_458_6,
+        0.120_277_777_777_8,
     ];
     let outputs = evaluate(&program, &equations, &states);
     for (found, expected) in outputs.iter().zip(expected) {

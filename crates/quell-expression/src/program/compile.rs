@@ -2,6 +2,7 @@
 
 use super::code::{Code, Instruction, Stream};
 use super::rows::{Step, Term, join};
+use super::schedule::schedule;
 use super::{Level, Program};
 use crate::graph::{Differentiation, Graph};
 use crate::operation::{Operation, Slot};
@@ -57,7 +58,10 @@ impl Program {
         for output in levels.iter().flatten() {
             read[output.index()] += 1;
         }
-        let streams = join(streams, &read, one.0);
+        let streams: Vec<Vec<Step>> = join(streams, &read, one.0)
+            .into_iter()
+            .map(|stream| schedule(stream, graph.len()))
+            .collect();
         Compiler {
             graph: &graph,
             known: &known,

@@ -1,7 +1,12 @@
 //! Programs against the graph's own values, hoisting, levels, lanes.
 
-use quell_expression::{BatchWorkspace, Condition, Differentiation, Function, Graph, LANES};
-use quell_expression::{Program, Workspace};
+use proptest::prelude::*;
+use quell_expression::{
+    BatchWorkspace, Condition, Differentiation, Dimension, Function, Graph, LANES, Meaning, Names,
+    Program, Quantity, Rate, Slot, Workspace, lower,
+};
+
+use super::random::differentiable;
 
 #[test]
 fn levels_add_up_and_parameters_are_read_once() {
@@ -43,11 +48,12 @@ fn lanes_have_the_bits_of_points_alone() {
     let (mut batch, mut outputs) = (BatchWorkspace::default(), [[0.0; LANES]; 2]);
     program.prepare_lanes(&inputs, &mut batch);
     program.evaluate_batch(1, &inputs, &mut batch, &mut outputs);
-    for lane in 0..LANES {
+    let [first, second] = outputs;
+    for (lane, together) in first.into_iter().zip(second).enumerate() {
         let (mut workspace, mut alone) = (Workspace::default(), [0.0; 2]);
         program.prepare(&at(lane), &mut workspace);
         program.evaluate(1, &at(lane), &mut workspace, &mut alone);
-        assert_eq!([outputs[0][lane], outputs[1][lane]], alone);
+        assert_eq!([together.0, together.1], alone);
         assert_eq!(graph.values(&[root, slope], &at(lane)), alone);
     }
 }
@@ -91,4 +97,88 @@ fn dependence_tells_smooth_from_deciding() {
         graph.values(&[root, moved[0]], &[-1.0, 2.0, 5.0]),
         [-5.0, -1.0]
     );
+}
+
+/// x and y move, a is a parameter.
+struct Three;
+
+impl Names for Three {
+    fn resolve(&self, name: &str) -> Option<Meaning<'_>> {
+        let index = ["x", "y", "a"].iter().position(|known| *known == name)?;
+        Some(Meaning::Input(index, Dimension::NONE))
+    }
+
+    fn names(&self) -> Vec<&str> {
+        vec!["x", "y", "a"]
+    }
+
+    fn rate(&self, _: usize) -> Rate {
+        Rate::Constant(0.0)
+    }
+
+    fn dimensionless(&self) -> bool {
+        true
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 1000,
+        max_global_rejects: 60_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn every_way_of_evaluation_gives_the_same_bits(
+        expressions in prop::collection::vec(differentiable(), 1..4),
+        points in prop::collection::vec((-2.0..2.0_f64, 0.1..2.0_f64), LANES),
+    ) {
+        let parameter = 1.7;
+        let mut graph = Graph::default();
+        let lowered: Result<Vec<_>, _> =
+            expressions.iter().map(|one| lower(&mut graph, one, &Three).map(|(slot, _)| slot)).collect();
+        // Constants that are not finite are refused.
+        prop_assume!(lowered.is_ok());
+        let roots = lowered.unwrap();
+        let zero = graph.constant(0.0);
+        let full = |graph: &mut Graph, of: &[Slot]| -> Vec<Slot> {
+            graph.jacobian(of, &[0, 1]).into_iter().map(|slot| slot.unwrap_or(zero)).collect()
+        };
+        let first = full(&mut graph, &roots);
+        let second = full(&mut graph, &first);
+        let all: Vec<Slot> = [roots.clone(), first.clone(), second.clone()].concat();
+        let program = Program::compile(&graph, &[roots, first, second], |input| input == 2);
+        let inputs: [[f64; LANES]; 3] = [
+            std::array::from_fn(|lane| points[lane].0),
+            std::array::from_fn(|lane| points[lane].1),
+            [parameter; LANES],
+        ];
+        let (mut workspace, mut batch) = (Workspace::default(), BatchWorkspace::default());
+        program.prepare(&[f64::NAN, f64::NAN, parameter], &mut workspace);
+        program.prepare_batch(&[f64::NAN, f64::NAN, parameter], &mut batch);
+        let mut together = vec![[0.0; LANES]; all.len()];
+        program.evaluate_batch(2, &inputs, &mut batch, &mut together);
+        for (lane, (x, y)) in points.iter().enumerate() {
+            let mut alone = vec![0.0; all.len()];
+            program.evaluate(2, &[*x, *y], &mut workspace, &mut alone);
+            let plain = graph.values(&all, &[*x, *y, parameter]);
+            for ((alone, batch), plain) in alone.iter().zip(&together).zip(plain) {
+                // Not-a-number has many patterns, of which hardware takes one or another.
+                let same = |a: f64, b: f64| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
+                prop_assert!(same(*alone, batch[lane]), "{alone} {}", batch[lane]);
+                prop_assert!(same(*alone, plain), "{alone} {plain}");
+            }
+            let scope = vec![
+                ("x".to_owned(), Quantity::number(*x)),
+                ("y".to_owned(), Quantity::number(*y)),
+                ("a".to_owned(), Quantity::number(parameter)),
+            ];
+            for (expression, value) in expressions.iter().zip(&alone) {
+                if let Ok(expected) = expression.evaluate(&scope) {
+                    prop_assert_eq!(expected.value, *value);
+                }
+            }
+        }
+    }
 }
