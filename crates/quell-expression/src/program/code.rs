@@ -21,8 +21,12 @@ pub(super) enum Code {
     MultiplySubtract,
     /// c - a b
     SubtractProduct,
+    /// (a b) c
+    Product,
     /// Σ ± a b over terms; the operands are the first of them and their number
     Row,
+    /// Σ ± (a b) c over terms
+    ProductRow,
     Square,
     Cube,
     WholePower,
@@ -99,9 +103,9 @@ impl Instruction {
             | Code::Min
             | Code::Max
             | Code::Hypot => 2,
-            Code::MultiplyAdd | Code::MultiplySubtract | Code::SubtractProduct => 3,
+            Code::MultiplyAdd | Code::MultiplySubtract | Code::SubtractProduct | Code::Product => 3,
             Code::Choose => 4,
-            Code::Row => 0,
+            Code::Row | Code::ProductRow => 0,
             _ => 1,
         };
         self.operands.get(..count).unwrap_or(&[])
@@ -201,6 +205,7 @@ pub(super) fn run<const L: usize>(stream: &Stream, registers: &mut [[f64; L]]) {
             Code::MultiplyAdd => three!(|a: f64, b: f64, c: f64| a * b + c),
             Code::MultiplySubtract => three!(|a: f64, b: f64, c: f64| a * b - c),
             Code::SubtractProduct => three!(|a: f64, b: f64, c: f64| c - a * b),
+            Code::Product => three!(|a: f64, b: f64, c: f64| a * b * c),
             Code::Row => {
                 let mut sum = [0.0; L];
                 let terms = terms.get(a as usize..(a + b) as usize).unwrap_or(&[]);
@@ -209,9 +214,29 @@ pub(super) fn run<const L: usize>(stream: &Stream, registers: &mut [[f64; L]]) {
                     sum = std::array::from_fn(|lane| a[lane] * b[lane]);
                     for term in rest {
                         let (a, b) = (&registers[term.a as usize], &registers[term.b as usize]);
+                        let mask = term.mask();
                         for lane in 0..L {
                             let product = a[lane] * b[lane];
-                            sum[lane] += f64::from_bits(product.to_bits() ^ term.sign);
+                            sum[lane] += f64::from_bits(product.to_bits() ^ mask);
+                        }
+                    }
+                }
+                registers[place] = sum;
+            }
+            Code::ProductRow => {
+                let mut sum = [0.0; L];
+                let terms = terms.get(a as usize..(a + b) as usize).unwrap_or(&[]);
+                if let Some((first, rest)) = terms.split_first() {
+                    let (a, b) = (&registers[first.a as usize], &registers[first.b as usize]);
+                    let c = &registers[first.c as usize];
+                    sum = std::array::from_fn(|lane| a[lane] * b[lane] * c[lane]);
+                    for term in rest {
+                        let (a, b) = (&registers[term.a as usize], &registers[term.b as usize]);
+                        let c = &registers[term.c as usize];
+                        let mask = term.mask();
+                        for lane in 0..L {
+                            let product = a[lane] * b[lane] * c[lane];
+                            sum[lane] += f64::from_bits(product.to_bits() ^ mask);
                         }
                     }
                 }

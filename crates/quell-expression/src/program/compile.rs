@@ -1,7 +1,7 @@
 //! From a graph to a program: what to hoist, in which order to compute, in which registers.
 
 use super::code::{Code, Instruction, Stream};
-use super::rows::{Step, Term, join};
+use super::rows::{Step, Term, has_third_factors, join};
 use super::schedule::schedule;
 use super::{Level, Program};
 use crate::graph::{Differentiation, Graph};
@@ -60,11 +60,12 @@ impl Program {
         }
         let streams: Vec<Vec<Step>> = join(streams, &read, one.0)
             .into_iter()
-            .map(|stream| schedule(stream, graph.len()))
+            .map(|stream| schedule(stream, graph.len(), one.0))
             .collect();
         Compiler {
             graph: &graph,
             known: &known,
+            one: one.0,
             places: vec![None; graph.len()],
             program: Self::default(),
         }
@@ -100,6 +101,8 @@ fn without_holds(graph: &Graph, levels: &[Vec<Slot>]) -> (Graph, Vec<Vec<Slot>>)
 struct Compiler<'a> {
     graph: &'a Graph,
     known: &'a [Known],
+    /// The slot of the number 1.
+    one: u32,
     /// Register of each value that has one at present.
     places: Vec<Option<u32>>,
     program: Program,
@@ -231,10 +234,16 @@ impl Compiler<'_> {
                 terms.extend(own.iter().map(|term| Term {
                     a: self.place(term.a),
                     b: self.place(term.b),
+                    c: self.place(term.c),
                     sign: term.sign,
                 }));
+                let code = if has_third_factors(own, self.one) {
+                    Code::ProductRow
+                } else {
+                    Code::Row
+                };
                 Instruction {
-                    code: Code::Row,
+                    code,
                     target: 0,
                     operands: [first, own.len() as u32, 0, 0],
                 }

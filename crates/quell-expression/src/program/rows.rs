@@ -2,13 +2,27 @@
 
 use super::code::{Code, Instruction};
 
-/// A term ± a b of a row.
+/// A term ± (a b) c of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Term {
     pub(super) a: u32,
     pub(super) b: u32,
-    /// The sign bit of a term that is subtracted.
-    pub(super) sign: u64,
+    pub(super) c: u32,
+    /// The upper half of the sign bit of a term that is subtracted.
+    pub(super) sign: u32,
+}
+
+impl Term {
+    const fn of(factors: [u32; 3]) -> Self {
+        let [a, b, c] = factors;
+        Self { a, b, c, sign: 0 }
+    }
+
+    /// The bits to turn over in its product.
+    #[inline]
+    pub(super) const fn mask(self) -> u64 {
+        (self.sign as u64) << 32
+    }
 }
 
 /// What one dispatch computes.
@@ -17,6 +31,11 @@ pub(super) enum Step {
     One(Instruction),
     /// The terms, added from the left, each rounded: products first, then the sum.
     Row(u32, Vec<Term>),
+}
+
+/// Whether terms of a row have three factors, not two; the third of others is the number 1.
+pub(super) fn has_third_factors(terms: &[Term], one: u32) -> bool {
+    terms.iter().any(|term| term.c != one)
 }
 
 impl Step {
@@ -31,7 +50,10 @@ impl Step {
     pub(super) fn reads(&self) -> Vec<u32> {
         match self {
             Self::One(instruction) => instruction.reads().to_vec(),
-            Self::Row(_, terms) => terms.iter().flat_map(|term| [term.a, term.b]).collect(),
+            Self::Row(_, terms) => terms
+                .iter()
+                .flat_map(|term| [term.a, term.b, term.c])
+                .collect(),
         }
     }
 }
@@ -45,20 +67,30 @@ pub(super) fn join(streams: Vec<Vec<Instruction>>, read: &[u32], one: u32) -> Ve
     for instruction in streams.iter().flatten() {
         let [a, b, ..] = instruction.operands;
         let own = match instruction.code {
-            Code::Multiply => vec![Term { a, b, sign: 0 }],
-            Code::Square => vec![Term { a, b: a, sign: 0 }],
+            Code::Square => vec![Term::of([a, a, one])],
+            Code::Multiply => {
+                // (a b) c: one factor may be a product of two itself.
+                let mut inner = |slot: u32| {
+                    let part = parts[slot as usize].take_if(|part| {
+                        read[slot as usize] == 1 && part.len() == 1 && part[0].c == one
+                    });
+                    joined[slot as usize] |= part.is_some();
+                    part.and_then(|part| part.first().copied())
+                };
+                vec![match inner(a) {
+                    Some(term) => Term { c: b, ..term },
+                    None => match inner(b) {
+                        Some(term) => Term { c: a, ..term },
+                        None => Term::of([a, b, one]),
+                    },
+                }]
+            }
             Code::Add | Code::Subtract => {
                 let mut take = |slot: u32, single: bool| {
                     let part = parts[slot as usize]
                         .take_if(|part| read[slot as usize] == 1 && (!single || part.len() == 1));
                     joined[slot as usize] |= part.is_some();
-                    part.unwrap_or_else(|| {
-                        vec![Term {
-                            a: slot,
-                            b: one,
-                            sign: 0,
-                        }]
-                    })
+                    part.unwrap_or_else(|| vec![Term::of([slot, one, one])])
                 };
                 let adds = instruction.code == Code::Add;
                 // A sum may begin with either side; of two chains one stays a term.
@@ -70,7 +102,7 @@ pub(super) fn join(streams: Vec<Vec<Instruction>>, read: &[u32], one: u32) -> Ve
                         (left, take(b, true))
                     }
                 };
-                let sign = if adds { 0 } else { 1 << 63 };
+                let sign = if adds { 0 } else { 1 << 31 };
                 terms.extend(last.into_iter().map(|term| Term { sign, ..term }));
                 terms
             }
@@ -106,7 +138,11 @@ fn row(instruction: Instruction, terms: Vec<Term>, one: u32) -> Step {
         })
     };
     match *terms.as_slice() {
-        [_] => Step::One(instruction),
+        [only] if only.c == one => Step::One(instruction),
+        [only] => single(Code::Product, [only.a, only.b, only.c]),
+        _ if terms.len() > 2 || has_third_factors(&terms, one) => {
+            Step::Row(instruction.target, terms)
+        }
         [first, second] if first.b == one && second.b == one => {
             let code = if second.sign == 0 {
                 Code::Add

@@ -7,10 +7,10 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::code::Code;
-use super::rows::Step;
+use super::rows::{Step, has_third_factors};
 
 /// Reorders a stream so that steps of the same code follow one another, each still after what it reads.
-pub(super) fn schedule(steps: Vec<Step>, slots: usize) -> Vec<Step> {
+pub(super) fn schedule(steps: Vec<Step>, slots: usize, one: u32) -> Vec<Step> {
     let mut places: Vec<Option<usize>> = vec![None; slots];
     for (place, step) in steps.iter().enumerate() {
         places[step.target() as usize] = Some(place);
@@ -30,6 +30,9 @@ pub(super) fn schedule(steps: Vec<Step>, slots: usize) -> Vec<Step> {
     }
     let code = |step: &Step| match step {
         Step::One(instruction) => (instruction.code as u8, 0),
+        Step::Row(_, terms) if has_third_factors(terms, one) => {
+            (Code::ProductRow as u8, terms.len())
+        }
         Step::Row(_, terms) => (Code::Row as u8, terms.len()),
     };
     let codes: Vec<(u8, usize)> = steps.iter().map(code).collect();
