@@ -19,10 +19,11 @@
 //!
 //! // Until x' falls through zero after having been positive: a full period.
 //! let event = Event::on(1, Direction::Falling).armed(Condition::above(1, 0.0)).ending();
-//! let trajectory = simulate(&mut Oscillator, &[1.0, 0.0], (0.0, 100.0), &[event], &Settings::default())?;
+//! let mut oscillator = Oscillator;
+//! let trajectory = simulate(&mut oscillator, &[1.0, 0.0], (0.0, 100.0), &[event], &Settings::default())?;
 //! assert_eq!(trajectory.end(), &End::Event { event: 0 });
 //! assert!((trajectory.to() - std::f64::consts::TAU).abs() < 1e-6);
-//! let mut record = Record::new(&trajectory, &mut Oscillator);
+//! let mut record = Record::new(&trajectory, &mut oscillator);
 //! assert!((record.minimum(0).value + 1.0).abs() < 1e-7);
 //! # Ok::<(), TransientError>(())
 //! ```

@@ -1,1 +1,7 @@
-//! x
+//! Transients against closed forms, published figures and each other.
+
+mod events;
+mod exponentials;
+mod oscillators;
+mod strut;
+mod touch_down;
