@@ -486,10 +486,7 @@ fn criteria_may_name_devices_and_their_parts() {
 #[test]
 fn keys_serve_schema_and_reference() {
     let schema = quell_document::json_schema(&quell_model::host::keys::HOST);
-    assert_eq!(
-        schema["required"],
-        serde_json::json!(["quell"])
-    );
+    assert_eq!(schema["required"], serde_json::json!(["quell"]));
     let reference = quell_document::reference_markdown(&quell_model::host::keys::HOST);
     for key in [
         "influence",

@@ -4,6 +4,7 @@ use quell_document::{Fault, Table, Value};
 use quell_expression::{Differentiation, Dimension, Graph, Lowering, Names, Rate, Slot, nearest};
 
 use super::host::{EquationHost, Symbol};
+use super::place;
 use super::residuals::Residual;
 use crate::host::keys;
 
@@ -148,7 +149,7 @@ impl Reader<'_, '_> {
         let (slot, dimension) = self
             .lowering
             .lower(self.graph, &expression)
-            .map_err(|error| Fault::from_expression(value.source(), error))?;
+            .map_err(|error| place::fault(value.source(), error))?;
         let zero = self.graph.as_constant(slot) == Some(0.0);
         if !self.host.dimensionless && !zero && dimension.without_angle() != wanted.without_angle()
         {

@@ -10,6 +10,7 @@ pub(crate) mod keys;
 mod lagrangian;
 mod linear;
 mod names;
+mod place;
 mod ports;
 mod random;
 mod read;

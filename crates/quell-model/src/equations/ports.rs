@@ -4,6 +4,7 @@ use quell_document::{Fault, Table, Value};
 use quell_expression::{BinaryOperator, Dimension, Expression, Graph, Lowering, Node, Slot, Span};
 
 use super::host::{EquationHost, Measure, Symbol};
+use super::place;
 use crate::host::keys;
 use crate::host::names::Names;
 
@@ -125,7 +126,7 @@ pub(super) fn across(
     let value = &port.value;
     let (slot, dimension) = lowering
         .lower(graph, &port.across)
-        .map_err(|error| Fault::from_expression(value.source(), error))?;
+        .map_err(|error| place::fault(value.source(), error))?;
     let plain = dimension.without_angle();
     let kind = if host.dimensionless {
         Measure::Number

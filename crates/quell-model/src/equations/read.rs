@@ -11,7 +11,7 @@ use super::host::{
 use super::names::{HostNames, NoExtraNames, Vocabulary};
 use super::residuals::Residual;
 use super::sections::{TypedCoordinate, TypedState};
-use super::{lagrangian, ports, residuals, sections};
+use super::{lagrangian, place, ports, residuals, sections};
 use crate::host::file::section;
 use crate::host::names::Names;
 use crate::host::order::order;
@@ -305,7 +305,7 @@ impl<'a> Reader<'a> {
     }
 
     fn at(&self, error: quell_expression::ExpressionError) -> Fault {
-        Fault::from_expression(self.file.source(), error)
+        place::fault(self.file.source(), error)
     }
 
     /// Where runs begin.

@@ -6,6 +6,7 @@ use quell_expression::{
 };
 
 use super::host::{EquationHost, Symbol};
+use super::place;
 
 /// A residual with the place of what it comes from.
 pub(super) struct Residual<'a> {
@@ -71,16 +72,18 @@ fn equation<'a>(
     lowering: &mut Lowering<'_>,
 ) -> Result<Residual<'a>, Fault> {
     let text = value.as_str()?;
-    let place = |error: ExpressionError| {
+    let (left, right) = Expression::parse_equation(text).map_err(|error| {
         let span = value.text_span(error.span);
-        Fault::from_expression(value.source(), ExpressionError { span, ..error })
-    };
-    let (left, right) = Expression::parse_equation(text).map_err(place)?;
+        place::fault(value.source(), ExpressionError { span, ..error })
+    })?;
+    // Places in the file, as those of definitions and functions are.
+    let [left, right] =
+        [left, right].map(|side| side.map(&|span| value.text_span(span), &str::to_owned));
     let mut lower = |side: &Expression| {
         lowering
             .lower(graph, side)
             .map(|(slot, dimension)| (slot, (!is_zero(side)).then_some(dimension)))
-            .map_err(place)
+            .map_err(|error| place::fault(value.source(), error))
     };
     let (a, first) = lower(&left)?;
     let (b, second) = lower(&right)?;
@@ -89,7 +92,7 @@ fn equation<'a>(
     {
         return Err(Fault::at(
             value.source(),
-            value.text_span(right.span),
+            right.span,
             format!("the left side is {first}, but the right side is {second}"),
         ));
     }
@@ -152,7 +155,7 @@ pub(super) fn orient(
             .first()
             .copied()
             .flatten()
-            .and_then(|slope| sign(graph, slope, start));
+            .and_then(|slope| sign(graph, slope, &host.symbols, start));
         match sign {
             Some(true) => residual.slot = graph.negate(residual.slot),
             Some(false) => {}
@@ -214,13 +217,17 @@ fn determines(residual: &Residual<'_>, own: &Own<'_>, has: [bool; 3]) -> Result<
 }
 
 /// Whether a coefficient is negative: at the start, or where it vanishes there, near it. None if it is zero all around.
-fn sign(graph: &Graph, slope: Slot, start: &[f64]) -> Option<bool> {
+fn sign(graph: &Graph, slope: Slot, symbols: &[Symbol], start: &[f64]) -> Option<bool> {
     (0..=TRIES)
         .map(|attempt| {
             let inputs: Vec<f64> = start
                 .iter()
+                .zip(symbols)
                 .enumerate()
-                .map(|(index, value)| {
+                .map(|(index, (value, symbol))| {
+                    if matches!(symbol, Symbol::Parameter { .. }) {
+                        return *value;
+                    }
                     // Fractional parts of multiples of the golden ratio: in no special position to one another.
                     let spread = ((index + 1) as f64 * 0.618_033_988_749_895).fract() - 0.5;
                     value + f64::from(attempt) * 0.02 * spread

@@ -185,6 +185,37 @@ mod tests {
         }
     }
 
+    /// What defines the spline: it passes through the samples, its first two derivatives are continuous at all of them,
+    /// the third at the second and the last but one.
+    #[test]
+    fn the_spline_is_the_one_defined() {
+        let times = vec![0.0, 0.1, 0.25, 0.3, 0.5, 0.8, 1.0];
+        let values = [0.0, 1.9, 2.9, 2.6, -1.1, -1.9, 2.0];
+        let samples = Samples::cubic(times.clone(), &values).unwrap();
+        for (index, (&t, &value)) in times.iter().zip(&values).enumerate() {
+            let after = samples.value(t, t);
+            // After the last sample its value is held.
+            if index + 1 < times.len() {
+                assert!((after[0] - value).abs() < 1e-12);
+            }
+            if index == 0 || index + 1 == times.len() {
+                continue;
+            }
+            let before = samples.value(t, t - 1e-3);
+            for order in 0..3 {
+                let size = 1.0 + before[order].abs();
+                assert!(
+                    (before[order] - after[order]).abs() < 1e-11 * size,
+                    "{t} {order}"
+                );
+            }
+            let third = |interval: usize| samples.intervals[interval][3];
+            if index == 1 || index + 2 == times.len() {
+                assert!((third(index - 1) / third(index) - 1.0).abs() < 1e-10, "{t}");
+            }
+        }
+    }
+
     #[test]
     fn few_samples_give_a_parabola_and_a_line() {
         let parabola = Samples::cubic(vec![0.0, 1.0, 3.0], &[0.0, 1.0, 9.0]).unwrap();

@@ -227,23 +227,28 @@ impl Reader<'_> {
         let wanted = self
             .amounts
             .dimension(square / Dimension::ANGULAR_FREQUENCY);
-        let unit = square.unit_text();
-        let example = if unit.is_empty() { "1" } else { &unit };
+        let unit = self.dimension.unit_text();
+        let example = if unit.is_empty() {
+            "1/Hz".to_owned()
+        } else if unit.contains(['/', '*']) {
+            format!("({unit})^2/Hz")
+        } else {
+            format!("{unit}^2/Hz")
+        };
         if value.is_number() && !self.amounts.dimensionless && value.as_f64()? != 0.0 {
             return Err(value
                 .fault("a plain number is ambiguous for a spectral density")
-                .help(format!("write its unit, such as `{example}/Hz`")));
+                .help(format!("write its unit, such as `2 {example}`")));
         }
         let quantity = value.quantity(self.amounts.parameters, None)?;
         let plain_zero = value.is_number() && quantity.value == 0.0;
         if quantity.dimension != wanted && !plain_zero {
             return Err(value
                 .fault(format!(
-                    "expected a spectral density in `{}`, found {}",
-                    wanted.unit_text(),
+                    "expected a spectral density in `{example}`, found one in {}",
                     quantity.dimension
                 ))
-                .help(format!("write its unit, such as `{example}/Hz`")));
+                .help(format!("write its unit, such as `2 {example}`")));
         }
         if quantity.value < 0.0 {
             return Err(value.fault("a spectral density must not be negative"));
