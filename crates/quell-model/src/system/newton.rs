@@ -48,7 +48,6 @@ pub(crate) fn solve(
             *entry = 0.0;
         }
     }
-    let mut last = f64::INFINITY;
     for _ in 0..ITERATIONS {
         implicit.program.evaluate(1, point, work, outputs);
         let (residual, entries) = outputs.split_at(size);
@@ -115,11 +114,10 @@ pub(crate) fn solve(
             lu.solve(trial);
             let after = norm(trial);
             if after <= (1.0 - factor / 4.0) * length {
-                last = after;
                 break;
             }
             // Rounding ends the convergence.
-            if after.is_finite() && length <= 1e-9 * norm(from).max(last) && factor == 1.0 {
+            if after.is_finite() && length <= 1e-9 * norm(from) && factor == 1.0 {
                 return Ok(());
             }
             factor *= 0.5;
