@@ -3,6 +3,11 @@
 //! SI inside, units at the edge: a text such as `18500 lbf/ft` or `2*zeta*sqrt(k*m)` becomes an [`Expression`], whose
 //! value in a [`Scope`] of names is a [`Quantity`] in SI with its [`Dimension`] checked. Errors point at the bytes.
 //!
+//! Expressions that are evaluated often go another way: [`lower()`] turns them into operations of a [`Graph`] in a
+//! vocabulary of [`Names`], the graph differentiates itself ([`Graph::tangent`], [`Graph::jacobian`]), and a [`Program`]
+//! is compiled from it, which evaluates values and derivatives of one point or of [`LANES`] together. [`record()`] makes
+//! a graph from a function in Rust.
+//!
 //! ```
 //! use quell_expression::{Dimension, Expression, NoNames};
 //! let force = Expression::parse("2 lbf + 1 N")?.evaluate(&NoNames)?;

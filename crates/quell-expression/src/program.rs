@@ -1,4 +1,10 @@
 //! Programs: graphs compiled for many evaluations.
+//!
+//! What makes them quick, in the order of gain: parameters are hoisted; sums of products are one instruction
+//! (`rows`); like instructions follow one another (`schedule`), since a wrong guess of the processor costs more than an
+//! operation; a batch shares the decoding among its lanes and computes them in the widest vectors that the machine has;
+//! values live in as few registers as their lifetimes allow, so that they stay in the nearest cache. None of it changes a
+//! rounding. Measured figures are in CONTRIBUTING.
 
 mod code;
 mod compile;
@@ -10,7 +16,7 @@ use code::{Stream, run};
 use pulp::Arch;
 pub use workspace::{BatchWorkspace, Workspace};
 
-/// Points that a batch evaluates together.
+/// Points that a batch evaluates together: of 8, 16 and 32 the quickest for equations of motion.
 pub const LANES: usize = 16;
 
 /// Expressions of a [`Graph`](crate::Graph), compiled for repeated evaluation.
