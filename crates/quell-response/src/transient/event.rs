@@ -169,11 +169,10 @@ pub(crate) struct Watched {
 }
 
 impl Watched {
-    /// Forgets samples and sign: a new piece begins. The scale stays.
-    pub(crate) fn restart(&mut self) {
-        self.sign = 0.0;
+    /// Goes on from a place at which a piece ends.
+    pub(crate) fn go_on(&mut self, t: f64, value: f64) {
         self.before = None;
-        self.last = None;
+        self.last = Some((t, value));
     }
 
     /// Goes through further samples (times increasing; the first may repeat the last one given before), evaluating `g` between

@@ -17,6 +17,8 @@ pub(crate) struct Monitor<'a> {
     watched_events: Vec<Watched>,
     watched_conditions: Vec<Watched>,
     watched_switches: Vec<Watched>,
+    /// The switches before the present step.
+    before_step: Vec<Watched>,
     armed: Vec<bool>,
     touches: Vec<(usize, Touch)>,
     /// Present step: times and, per time, all signals and all switching functions.
@@ -65,6 +67,7 @@ impl<'a> Monitor<'a> {
             watched_events: vec![Watched::default(); events.len()],
             watched_conditions: vec![Watched::default(); events.len()],
             watched_switches: vec![Watched::default(); switches],
+            before_step: vec![Watched::default(); switches],
             armed: events.iter().map(|event| event.armed.is_none()).collect(),
             touches: Vec::new(),
             times: Vec::new(),
@@ -76,11 +79,9 @@ impl<'a> Monitor<'a> {
         }
     }
 
-    /// A new piece: on which side of its switches it lies is found anew.
-    pub(crate) fn begin_piece(&mut self) {
-        for watched in &mut self.watched_switches {
-            watched.restart();
-        }
+    /// The last step was taken back: switches are as before it.
+    pub(crate) fn take_back(&mut self) {
+        self.watched_switches.copy_from_slice(&self.before_step);
     }
 
     /// Evaluates everything at the points of a step that has been pushed.
@@ -130,13 +131,14 @@ impl<'a> Monitor<'a> {
         }
     }
 
-    /// The first switch crossed in the step, if any.
+    /// The first switch crossed in the step, if any. What comes after it in the step is not looked at.
     pub(crate) fn switch(
         &mut self,
         dynamics: &mut dyn Dynamics,
         trajectory: &Trajectory,
     ) -> Option<(usize, Crossing)> {
         let count = self.switches;
+        self.before_step.copy_from_slice(&self.watched_switches);
         let mut first: Option<(usize, Crossing)> = None;
         for k in 0..count {
             self.samples.clear();
@@ -164,6 +166,21 @@ impl<'a> Monitor<'a> {
                 |_| {},
             );
             self.watched_switches[k] = watched;
+        }
+        if let Some((crossed, crossing)) = first {
+            let t = crossing.far;
+            let (x, values) = (&mut self.x, &mut self.values[..count]);
+            trajectory.state_into(t, x);
+            dynamics.switch_values(t, x, values);
+            for (k, watched) in self.watched_switches.iter_mut().enumerate() {
+                let scale = watched.scale;
+                *watched = self.before_step[k];
+                watched.scale = scale;
+                watched.go_on(t, values[k]);
+                if k == crossed {
+                    watched.sign = if crossing.rising { 1.0 } else { -1.0 };
+                }
+            }
         }
         first
     }

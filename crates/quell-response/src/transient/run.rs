@@ -92,7 +92,6 @@ impl<'a> Run<'a> {
             let begin = self.trajectory.last();
             let x = self.trajectory.state(begin);
             self.left = Left::Not;
-            self.monitor.begin_piece();
             let piece = Piece {
                 t: begin,
                 x: &x,
@@ -358,6 +357,7 @@ impl Visit for Run<'_> {
                 && jumps(dynamics, &self.trajectory, crossing.near, crossing.far)
             {
                 self.trajectory.pop();
+                self.monitor.take_back();
                 self.left = Left::Jump { at: crossing.far };
                 return false;
             }

@@ -228,9 +228,9 @@ fn van_der_pol() {
         let peak = Event::on(1, Direction::Falling);
         let trajectory = simulate(&mut VanDerPol(mu), &[2.0, 0.0], (0.0, 20.0 * period), &[peak], &tight(Method::Automatic)).unwrap();
         let times: Vec<f64> = trajectory.times_of(0).collect();
-        // Eight periods after the transient has died out; the oracle has ten decimals.
+        // Eight periods after the transient has died out; a relative 1e-11 a step leaves 3e-10 at the strongest relaxation.
         let found = (times[18] - times[10]) / 8.0;
-        assert!((found - period).abs() < 2e-9, "{mu}: {found} {period}");
+        assert!((found / period - 1.0).abs() < 5e-10, "{mu}: {found} {period}");
         if mu == 1.0 {
             let mut system = VanDerPol(mu);
             let mut record = Record::new(&trajectory, &mut system);
@@ -270,7 +270,8 @@ fn robertson() {
     let mut settings = Settings::default();
     settings.absolute = Absolute::Each(vec![1e-12, 1e-16, 1e-12]);
     let trajectory = simulate(&mut Robertson, &[1.0, 0.0, 0.0], (0.0, 1e5), &[], &settings).unwrap();
-    assert_eq!(trajectory.statistics().schemes, [Scheme::Bdf]);
+    // Nothing is stiff before y_2 has grown.
+    assert_eq!(trajectory.statistics().schemes.last(), Some(&Scheme::Bdf));
     let y = trajectory.end_state();
     // Reference to seven digits: 0.01786592 (LSODA, Radau and BDF of SciPy alike).
     assert!((y[0] - 0.017_865_92).abs() < 5e-8, "{y:?}");

@@ -44,10 +44,10 @@ fn row(strut: &mut dyn Dynamics, start: &[f64], settings: &Settings, stored: boo
         record.value(strut::WEIGHT, t),
         record.value(strut::INERTER, t),
     ];
-    // What came in has gone somewhere: energy closes to 1e-8 of itself.
+    // What came in has gone somewhere: energy closes to a few times the tolerance of a step.
     let gone: f64 = row[5..].iter().sum();
     let initial = record.value(strut::KINETIC, 0.0);
-    assert!((gone / initial - 1.0).abs() < 1e-8, "{gone} {initial}");
+    assert!((gone / initial - 1.0).abs() < 1e-7, "{gone} {initial}");
     row
 }
 
