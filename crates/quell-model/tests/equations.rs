@@ -1,6 +1,10 @@
 //! Hosts written as equations against textbook equations, energies and matrices.
 
-#![allow(clippy::panic, reason = "tests fail by panicking")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "helpers of tests fail by panicking"
+)]
 
 use std::path::Path;
 use std::sync::Arc;

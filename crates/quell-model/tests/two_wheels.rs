@@ -1,5 +1,7 @@
 //! A host with functions of a side, held parts, states and a massless coordinate, against independent vectors.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
 use std::path::Path;
 
 use quell_model::{EquationHost, HostFile, Symbol};

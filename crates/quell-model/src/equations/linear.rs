@@ -150,8 +150,8 @@ impl<'a> Lowering<'a> {
         let input = &self.host.linear.inputs[index];
         let given = input.kind.integrations();
         let mut motion = [self.zero(); 3];
-        for order in given..3 {
-            motion[order] = self.symbol(Symbol::Input {
+        for (order, slot) in motion.iter_mut().enumerate().skip(given) {
+            *slot = self.symbol(Symbol::Input {
                 index,
                 order: order - given,
             });
@@ -256,14 +256,17 @@ impl<'a> Lowering<'a> {
             .coordinates
             .iter()
             .zip(massless)
-            .zip(&host.starts)
-            .map(|((coordinate, &massless), start)| EquationCoordinate {
-                name: coordinate.name.clone(),
-                kind: coordinate.kind.into(),
-                dimension: coordinate.kind.dimension(),
-                massless,
-                start: self.graph.constant(start[0]),
-                rate: self.graph.constant(start[1]),
+            .enumerate()
+            .map(|(index, (coordinate, &massless))| {
+                let [start, rate] = host.starts.get(index).copied().unwrap_or_default();
+                EquationCoordinate {
+                    name: coordinate.name.clone(),
+                    kind: coordinate.kind.into(),
+                    dimension: coordinate.kind.dimension(),
+                    massless,
+                    start: self.graph.constant(start),
+                    rate: self.graph.constant(rate),
+                }
             })
             .collect();
         let mut ports = Vec::new();
@@ -299,12 +302,12 @@ impl<'a> Lowering<'a> {
         let inputs = linear
             .inputs
             .iter()
-            .zip(&host.waveforms)
-            .map(|(input, waveform)| EquationInput {
+            .enumerate()
+            .map(|(index, input)| EquationInput {
                 name: input.name.clone(),
                 kind: EquationInputKind::Mechanical(input.kind),
                 dimension: input.dimension,
-                waveform: waveform.clone(),
+                waveform: host.waveforms.get(index).cloned().flatten(),
             })
             .collect();
         let mut parameters = Vec::new();

@@ -403,11 +403,13 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The one unit, of those that occur in the host, with which the rate of a state is consistent. Other states without
+    /// The one unit, of those that occur in the host, with which the rate of a state is consistent. Further states without
     /// unit are taken to be of the same.
     fn unit_of_state(&mut self, index: usize) -> Result<Dimension, Fault> {
         let open: Vec<usize> = (0..self.states.len())
-            .filter(|&other| other == index || self.states[other].dimension.is_none())
+            .filter(|&other| {
+                other == index || (other > index && self.states[other].dimension.is_none())
+            })
             .collect();
         let known: Vec<Dimension> = self.host.states.iter().map(|one| one.dimension).collect();
         let candidates = self.candidates();
