@@ -114,6 +114,7 @@ impl System {
         roots.extend(&slots);
         let closed = assembled.close(&roots);
         let (rates, jacobian) = closed.split_at(count);
+        refuse_loops(host, &assembled, rates)?;
         let affine = is_affine(&mut assembled, jacobian, &open);
         let mut kinks = rates.to_vec();
         for layer in assembled.layers.clone() {
@@ -323,6 +324,42 @@ fn wanted(host: &EquationHost, watched: &[Watched]) -> Vec<Quantity> {
         }
     }
     found
+}
+
+/// Refuses rates in which something is left that has no value.
+fn refuse_loops(
+    host: &EquationHost,
+    assembled: &Assembled,
+    rates: &[Slot],
+) -> Result<(), SystemError> {
+    let found = assembled.inputs.graph.dependence(rates);
+    let known: Vec<usize> = assembled
+        .implicit()
+        .flat_map(|layer| layer.unknowns.iter().copied())
+        .collect();
+    let open = found.into_iter().find_map(|input| {
+        if known.contains(&input) {
+            return None;
+        }
+        let what = match *assembled.inputs.symbols.get(input)? {
+            Symbol::PortForce { index } => {
+                format!("the force on the port `{}`", host.ports.get(index)?.name)
+            }
+            Symbol::StateRate { index } => {
+                format!("the rate of the state `{}`", host.states.get(index)?.name)
+            }
+            Symbol::Coordinate { index, order: 2 } => format!(
+                "the acceleration of the coordinate `{}`",
+                host.coordinates.get(index)?.name
+            ),
+            _ => return None,
+        };
+        Some(what)
+    });
+    match open {
+        Some(what) => Err(SystemError::Circular { what }),
+        None => Ok(()),
+    }
 }
 
 /// Which graph inputs are parameters.

@@ -82,6 +82,14 @@ pub enum SystemError {
     /// Rates of states that depend on each other.
     #[error("the rate of the state `{0}` depends on itself")]
     RateCycle(String),
+    /// Forces that follow from themselves.
+    #[error(
+        "{what} follows from itself: the across-variable of a port moves with a first-order state whose rate depends on forces or accelerations"
+    )]
+    Circular {
+        /// What does.
+        what: String,
+    },
     /// A held expression with a massless coordinate in it.
     #[error(
         "what is held depends on the massless coordinate `{0}`, whose acceleration is not determined; hold coordinates that have mass"

@@ -22,7 +22,7 @@ pub(crate) struct Memory {
 #[derive(Debug)]
 pub(crate) struct Unsolved;
 
-/// Solves from what the point holds, damped by natural monotonicity (Deuflhard 2004, section 3.3).
+/// Solves to rounding from what the point holds, damped by natural monotonicity (Deuflhard 2004, section 3.3).
 pub(crate) fn solve(
     implicit: &Implicit,
     work: &mut Workspace,
@@ -122,14 +122,31 @@ pub(crate) fn solve(
             }
             factor *= 0.5;
             if factor < 1e-8 {
-                for unknown in &implicit.unknowns {
-                    if let Some(entry) = point.get_mut(*unknown) {
-                        *entry = f64::NAN;
-                    }
-                }
-                return Err(Unsolved);
+                return fail(implicit, point);
             }
         }
     }
-    Ok(())
+    // A slope that vanishes at the solution halves the error each time, which is enough by now.
+    let near = implicit
+        .unknowns
+        .iter()
+        .zip(step.iter())
+        .all(|(place, step)| {
+            point
+                .get(*place)
+                .is_some_and(|value| step.abs() <= 1e-9 * value.abs() || step.abs() <= 1e-20)
+        });
+    if near {
+        return Ok(());
+    }
+    fail(implicit, point)
+}
+
+fn fail(implicit: &Implicit, point: &mut [f64]) -> Result<(), Unsolved> {
+    for unknown in &implicit.unknowns {
+        if let Some(entry) = point.get_mut(*unknown) {
+            *entry = f64::NAN;
+        }
+    }
+    Err(Unsolved)
 }
