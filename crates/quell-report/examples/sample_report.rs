@@ -415,6 +415,7 @@ fn absorber_task(invented: &mut Invented) -> Result<TaskSection, Failure> {
 fn main() -> Result<(), Failure> {
     let mut invented = Invented(7);
     let default = Configuration {
+        energy: Vec::new(),
         name: "default".into(),
         devices: vec![hydraulic("tube1", &mut invented)?],
         criteria: vec![CriterionValue {

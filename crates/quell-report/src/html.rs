@@ -1,6 +1,7 @@
 //! The report as one self-contained HTML file: no script, nothing to load.
 
 mod design;
+mod energy;
 mod figure;
 mod problem;
 mod task;

@@ -315,6 +315,32 @@ pub struct Configuration {
     pub devices: Vec<Device>,
     /// Its criteria, one for each of the task's columns.
     pub criteria: Vec<CriterionValue>,
+    /// Where the energy went, by run in time.
+    pub energy: Vec<EnergyBars>,
+}
+
+/// Where the energy of a run in time went.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct EnergyBars {
+    /// The run.
+    pub run: String,
+    /// Kinetic energy of the host at the start, J.
+    pub start: f64,
+    /// What became of it, J; their sum is the start.
+    pub parts: Vec<EnergyPart>,
+    /// What is missing in the balance, relative.
+    pub error: f64,
+}
+
+/// A part of the energy.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct EnergyPart {
+    /// Where it is.
+    pub name: String,
+    /// `host`, `potential`, `kinetic`, `dissipated` or `other`.
+    pub kind: String,
+    /// J.
+    pub energy: f64,
 }
 
 /// A point of a sweep.

@@ -150,6 +150,7 @@ fn page(designs: usize) -> Page {
         ..TaskSection::default()
     };
     let configuration = |name: &str| Configuration {
+        energy: Vec::new(),
         name: name.into(),
         devices: vec![device("tube1")],
         criteria: vec![CriterionValue::default()],

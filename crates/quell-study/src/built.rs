@@ -8,8 +8,10 @@ use indexmap::IndexMap;
 use quell_document::{Fault, Source};
 use quell_expression::{Dimension, Scope, Span};
 use quell_model::DevicePart;
+use quell_model::system::{Device as SystemDevice, ForceLaw, LawParameter};
 use quell_network::{
-    ComponentError, Domain, Element, Expansion, ExpansionWorkspace, Kind, Layout, expand,
+    Branch, ComponentError, Domain, Element, Expansion, ExpansionWorkspace, Kind, Layout, Mechanism,
+    expand,
 };
 use quell_response::{Assembly, Attached};
 use quell_search::{Scale, Variable};
@@ -18,7 +20,7 @@ use crate::amount::Amount;
 use crate::candidates::Candidate;
 use crate::outcome::{BuiltDevice, NamedValue};
 use crate::situation::Situation;
-use crate::study::{Bounds, DesignTask, Device, Slot, Study};
+use crate::study::{Bounds, DesignTask, Device, Run, Slot, Study};
 
 /// Where values come from.
 #[derive(Debug, Clone, Copy)]
@@ -52,7 +54,10 @@ struct Attachment {
     designed: String,
     /// Where its layout was asked for.
     span: Span,
+    /// Values of linear elements; springs stand in for nonlinear ones.
     expansion: Expansion,
+    /// Its elements between its nodes, nonlinear ones too, for runs in time.
+    mechanism: Option<Mechanism>,
     /// Its elements among all mechanical values.
     elements: Range<usize>,
     /// Its variables among all.
@@ -68,11 +73,23 @@ enum Origin {
     Given(f64),
 }
 
+/// The value of a parameter of a nonlinear element.
+#[derive(Debug, Clone)]
+struct LawValue {
+    attachment: usize,
+    /// `gas.n`.
+    name: String,
+    dimension: Dimension,
+    origin: Origin,
+    /// Whether it is other than the default.
+    shown: bool,
+}
+
 /// A candidate on the host, ready for values of its design variables.
 #[derive(Debug)]
 pub(crate) struct Built {
-    /// Host and networks.
-    pub assembly: Arc<Assembly>,
+    /// Host and networks, where all is linear.
+    pub assembly: Option<Arc<Assembly>>,
     /// The design variables.
     pub variables: Vec<Variable>,
     /// Keys of the study that were used, so that one that is never used can be refused.
@@ -80,6 +97,7 @@ pub(crate) struct Built {
     attachments: Vec<Attachment>,
     /// Of every variable of every network.
     origins: Vec<Origin>,
+    laws: Vec<LawValue>,
 }
 
 /// Buffers of [`Built::values`].
@@ -90,6 +108,8 @@ pub(crate) struct ValueScratch {
     derivatives: Vec<f64>,
     /// Mechanical values of all elements, SI.
     pub mechanical: Vec<f64>,
+    /// Parameters of all nonlinear elements, SI.
+    pub laws: Vec<f64>,
 }
 
 impl Built {
@@ -110,38 +130,119 @@ impl Built {
             used: HashSet::new(),
             variables: Vec::new(),
             origins: Vec::new(),
+            laws: Vec::new(),
         };
         let attachments = builder.attach(candidate)?;
         builder.assign(&attachments)?;
-        let attached = attachments
-            .iter()
-            .map(|attachment| Attached {
-                port: attachment.port,
-                network: Arc::new(attachment.expansion.network().clone()),
-            })
-            .collect();
-        let assembly = Assembly::new(Arc::clone(&situation.host), attached).map_err(|error| {
-            let span = candidate
-                .layouts
-                .first()
-                .map_or(Span::new(0, 0), |(_, _, span)| *span);
-            Fault::at(
-                &study.source,
-                span,
-                format!(
-                    "`{}` on `{}`: {error}",
-                    candidate.label(),
-                    situation.host.name
-                ),
-            )
-        })?;
+        builder.assign_laws(&attachments)?;
+        let linear = !situation.is_equations()
+            && attachments
+                .iter()
+                .all(|attachment| attachment.customs().next().is_none());
+        let assembly = if linear {
+            Some(assembly(study, situation, candidate, &attachments)?)
+        } else {
+            None
+        };
         Ok(Self {
-            assembly: Arc::new(assembly),
+            assembly,
             variables: builder.variables,
             used: builder.used,
             attachments,
             origins: builder.origins,
+            laws: builder.laws,
         })
+    }
+
+    /// Number of elements of all devices.
+    fn element_count(&self) -> usize {
+        self.attachments
+            .last()
+            .map_or(0, |attachment| attachment.elements.end)
+    }
+
+    /// The devices as a system of equations takes them.
+    ///
+    /// # Errors
+    /// What is wrong with the force of a nonlinear element, at its place.
+    pub(crate) fn system_devices(
+        &self,
+        study: &Study,
+        host: &quell_model::EquationHost,
+    ) -> Result<Vec<SystemDevice>, Fault> {
+        // Somewhere within the bounds; values come later, these only guide the order of elimination.
+        let point: Vec<f64> = self
+            .variables
+            .iter()
+            .map(|variable| match variable.scale {
+                Scale::Logarithmic => (variable.lower * variable.upper).sqrt(),
+                Scale::Linear => 0.5 * (variable.lower + variable.upper),
+            })
+            .collect();
+        let mut scratch = ValueScratch::default();
+        self.values(&point, &mut scratch);
+        let mut devices = Vec::new();
+        for (index, attachment) in self.attachments.iter().enumerate() {
+            let Some(mechanism) = &attachment.mechanism else {
+                continue;
+            };
+            let mut device =
+                SystemDevice::new(attachment.name.clone(), attachment.port, mechanism.clone());
+            let values = scratch
+                .mechanical
+                .get(attachment.elements.clone())
+                .unwrap_or_default();
+            for (element, value) in mechanism.elements().iter().zip(values) {
+                device = device.with_value(&element.name, *value);
+            }
+            for (branch, law_name) in attachment.customs() {
+                let Some((law, port)) = study
+                    .laws
+                    .get(law_name)
+                    .zip(host.ports.get(attachment.port))
+                else {
+                    continue;
+                };
+                let own = self.laws.iter().zip(&scratch.laws).filter_map(|(known, value)| {
+                    let name = known
+                        .name
+                        .strip_prefix(branch)
+                        .and_then(|rest| rest.strip_prefix('.'))
+                        .filter(|_| known.attachment == index)?;
+                    Some(LawParameter {
+                        name: name.to_owned(),
+                        dimension: known.dimension,
+                        value: *value,
+                    })
+                });
+                let lowered = ForceLaw::lower(
+                    host,
+                    &law.force,
+                    own.collect(),
+                    port.dimension,
+                    port.force_dimension,
+                )
+                .map_err(|error| Fault::from_expression(&study.source, error))?;
+                device = device.with_law(law_name, lowered);
+            }
+            devices.push(device);
+        }
+        Ok(devices)
+    }
+
+    /// Of each device, the first of its elements among all.
+    pub(crate) fn first_elements(&self) -> Vec<usize> {
+        self.attachments
+            .iter()
+            .map(|attachment| attachment.elements.start)
+            .collect()
+    }
+
+    /// The place of a parameter of a nonlinear element, `gas.n` of a device, among all of them.
+    pub(crate) fn law_place(&self, device: usize, name: &str) -> Option<usize> {
+        self.laws
+            .iter()
+            .position(|law| law.attachment == device && law.name == name)
     }
 
     fn spread(&self, point: &[f64], scratch: &mut ValueScratch) {
@@ -154,7 +255,14 @@ impl Built {
             }));
         scratch
             .mechanical
-            .resize(self.assembly.elements(), f64::NAN);
+            .resize(self.element_count(), f64::NAN);
+        scratch.laws.clear();
+        scratch
+            .laws
+            .extend(self.laws.iter().map(|law| match law.origin {
+                Origin::Searched(index) => point.get(index).copied().unwrap_or(f64::NAN),
+                Origin::Given(value) => value,
+            }));
     }
 
     /// Mechanical values of all elements for values of the design variables, into `scratch.mechanical`.
@@ -266,13 +374,18 @@ impl Built {
         self.attachments
             .iter()
             .flat_map(|attachment| {
-                let variables = attachment.expansion.variables().iter();
+                let variables = attachment
+                    .expansion
+                    .variables()
+                    .iter()
+                    .filter(|variable| !attachment.is_custom(&variable.name));
                 let own = match &attachment.device.layout {
                     None => vec![attachment.name.clone()],
                     Some(_) => attachment.device.slots.clone(),
                 };
                 variables.map(|variable| variable.name.clone()).chain(own)
             })
+            .chain(self.laws.iter().map(|law| law.name.clone()))
             .collect()
     }
 
@@ -291,7 +404,8 @@ impl Built {
         self.spread(point, &mut scratch);
         self.attachments
             .iter()
-            .map(|attachment| {
+            .enumerate()
+            .map(|(index, attachment)| {
                 let network = attachment.expansion.network();
                 let variables = scratch
                     .all
@@ -306,6 +420,7 @@ impl Built {
                         .elements()
                         .iter()
                         .zip(own)
+                        .filter(|(element, _)| !attachment.is_custom(&element.name))
                         .map(|(element, value)| NamedValue {
                             name: element.name.clone(),
                             value,
@@ -320,6 +435,7 @@ impl Built {
                     .iter()
                     .zip(origins)
                     .zip(variables)
+                    .filter(|((variable, _), _)| !attachment.is_custom(&variable.name))
                     .map(|((variable, origin), value)| {
                         let searched = match origin {
                             Origin::Searched(index) => self.variables.get(*index),
@@ -334,12 +450,31 @@ impl Built {
                                 .is_some_and(|variable| variable.scale == Scale::Logarithmic),
                         }
                     });
+                let laws = self
+                    .laws
+                    .iter()
+                    .zip(&scratch.laws)
+                    .filter(|(law, _)| law.shown && law.attachment == index)
+                    .map(|(law, value)| {
+                        let searched = match law.origin {
+                            Origin::Searched(index) => self.variables.get(index),
+                            Origin::Given(_) => None,
+                        };
+                        NamedValue {
+                            name: law.name.clone(),
+                            value: *value,
+                            unit: law.dimension.unit_text(),
+                            bounds: searched.map(|variable| (variable.lower, variable.upper)),
+                            logarithmic: searched
+                                .is_some_and(|variable| variable.scale == Scale::Logarithmic),
+                        }
+                    });
                 BuiltDevice {
                     name: attachment.name.clone(),
                     domain: attachment.layout.domain(),
                     designed: attachment.designed.clone(),
                     layout: attachment.layout.clone(),
-                    variables: named.collect(),
+                    variables: named.chain(laws).collect(),
                     elements: elements.collect(),
                 }
             })
@@ -354,6 +489,66 @@ struct Builder<'a> {
     used: HashSet<String>,
     variables: Vec<Variable>,
     origins: Vec<Origin>,
+    laws: Vec<LawValue>,
+}
+
+impl Attachment {
+    /// Names of its nonlinear elements with their laws.
+    fn customs(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.layout.branches().filter_map(|branch| match &branch.kind {
+            Kind::Custom(custom) => Some((branch.name.as_str(), custom.law.as_str())),
+            _ => None,
+        })
+    }
+
+    fn is_custom(&self, name: &str) -> bool {
+        self.customs().any(|(known, _)| known == name)
+    }
+}
+
+/// Host and networks of an all linear candidate.
+fn assembly(
+    study: &Study,
+    situation: &Situation,
+    candidate: &Candidate,
+    attachments: &[Attachment],
+) -> Result<Arc<Assembly>, Fault> {
+    let attached = attachments
+        .iter()
+        .map(|attachment| Attached {
+            port: attachment.port,
+            network: Arc::new(attachment.expansion.network().clone()),
+        })
+        .collect();
+    Assembly::new(Arc::clone(&situation.host), attached)
+        .map(Arc::new)
+        .map_err(|error| {
+            let span = candidate
+                .layouts
+                .first()
+                .map_or(Span::new(0, 0), |(_, _, span)| *span);
+            Fault::at(
+                &study.source,
+                span,
+                format!(
+                    "`{}` on `{}`: {error}",
+                    candidate.label(),
+                    situation.host.name
+                ),
+            )
+        })
+}
+
+/// The same layout with springs in the places of nonlinear elements.
+fn linear_stand_in(layout: &Layout) -> Option<Layout> {
+    let stand_in = layout.tree().map(&mut |branch: &Branch| {
+        let mut branch = branch.clone();
+        if matches!(branch.kind, Kind::Custom(_)) {
+            branch.kind = Kind::Element(Element::Spring);
+        }
+        branch
+    });
+    Layout::from_tree(layout.domain(), stand_in)
 }
 
 /// A variable of a network, with what is needed to find its value.
@@ -429,8 +624,28 @@ impl<'a> Builder<'a> {
                 None => None,
             };
             let components = self.situation.components(self.study)?;
-            let expansion = expand(&layout, &components, piston, &self.situation.parameters)
-                .map_err(|error| component_fault(self.study, error, span))?;
+            let nonlinear = layout
+                .branches()
+                .any(|branch| matches!(branch.kind, Kind::Custom(_)));
+            let stand_in = nonlinear.then(|| linear_stand_in(&layout)).flatten();
+            let expansion = expand(
+                stand_in.as_ref().unwrap_or(&layout),
+                &components,
+                piston,
+                &self.situation.parameters,
+            )
+            .map_err(|error| component_fault(self.study, error, span))?;
+            let in_time = self
+                .study
+                .runs
+                .values()
+                .any(|run| matches!(run, Run::Transient(_)));
+            let mechanism = if in_time || nonlinear || self.situation.is_equations() {
+                let made = Mechanism::with_components(&layout, &components, piston);
+                Some(made.map_err(|error| fault(error.to_string()))?)
+            } else {
+                None
+            };
             let elements = first_element..first_element + expansion.network().elements().len();
             let variables = first_variable..first_variable + expansion.variables().len();
             (first_element, first_variable) = (elements.end, variables.end);
@@ -442,6 +657,7 @@ impl<'a> Builder<'a> {
                 designed,
                 span,
                 expansion,
+                mechanism,
                 elements,
                 variables,
             });
@@ -513,6 +729,10 @@ impl<'a> Builder<'a> {
             let device = &attachment.name;
             for variable in attachment.expansion.variables() {
                 let name = variable.name.as_str();
+                if attachment.is_custom(name) {
+                    self.origins.push(Origin::Given(1.0));
+                    continue;
+                }
                 let shared = seen.get(name).is_some_and(|count| *count > 1);
                 let mut keys = vec![format!("{device}.{name}")];
                 if !shared {
@@ -551,6 +771,59 @@ impl<'a> Builder<'a> {
                 }
                 let origin = self.origin(&wanted)?;
                 self.origins.push(origin);
+            }
+        }
+        Ok(())
+    }
+
+    /// Parameters of nonlinear elements: given, searched, or as their element says.
+    fn assign_laws(&mut self, attachments: &[Attachment]) -> Result<(), Fault> {
+        let parameters = &self.situation.parameters;
+        for (index, attachment) in attachments.iter().enumerate() {
+            for (branch, law) in attachment.customs() {
+                let Some(spec) = self.study.laws.get(law) else {
+                    continue;
+                };
+                for (parameter, usual) in &spec.parameters {
+                    let name = format!("{branch}.{parameter}");
+                    let keys = [
+                        format!("{}.{name}", attachment.name),
+                        name.clone(),
+                        format!("{law}.{parameter}"),
+                    ];
+                    let dimension = usual.quantity(parameters)?.dimension;
+                    let given = keys
+                        .iter()
+                        .find_map(|key| self.values.given.get(key).map(|amount| (key, amount)));
+                    let bounds = keys
+                        .iter()
+                        .filter(|_| self.values.searched)
+                        .find_map(|key| self.values.bounds.get(key).map(|bounds| (key, bounds)));
+                    let (origin, shown) = if let Some((key, amount)) = given {
+                        self.used.insert(key.clone());
+                        (Origin::Given(amount.value(parameters, dimension)?), true)
+                    } else if let Some((key, bounds)) = bounds {
+                        self.used.insert(key.clone());
+                        let variable = range(
+                            name.clone(),
+                            dimension,
+                            bounds,
+                            parameters,
+                            &self.study.source,
+                        )?;
+                        self.variables.push(variable);
+                        (Origin::Searched(self.variables.len() - 1), true)
+                    } else {
+                        (Origin::Given(usual.value(parameters, dimension)?), false)
+                    };
+                    self.laws.push(LawValue {
+                        attachment: index,
+                        name,
+                        dimension,
+                        origin,
+                        shown,
+                    });
+                }
             }
         }
         Ok(())

@@ -57,7 +57,7 @@ pub(crate) fn configuration(
             ),
         ));
     }
-    Evaluator::new(study, situation, Arc::new(built), None)
+    Evaluator::new(study, situation, Arc::new(built), None, &spec.runs)
 }
 
 /// Criteria of a candidate at values of its design variables, with what is known about each.
@@ -70,6 +70,7 @@ pub(crate) fn evaluated(name: &str, evaluator: &Evaluator, point: &[f64]) -> Eva
     } else {
         Vec::new()
     };
+    let energy = evaluator.ledgers(&scratch.values);
     let mut criteria = IndexMap::new();
     let mut details = IndexMap::new();
     for (name, known) in evaluator.names().zip(certified) {
@@ -81,5 +82,6 @@ pub(crate) fn evaluated(name: &str, evaluator: &Evaluator, point: &[f64]) -> Eva
         devices: built.devices(point),
         criteria,
         details,
+        energy,
     }
 }

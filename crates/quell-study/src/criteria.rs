@@ -10,6 +10,8 @@
 //! | `min(decay_rate)`, `max(decay_rate)` | modes | -Re λ, 1/s |
 //! | `min(frequency)`, `max(frequency)` | modes | \|λ\|, rad/s |
 //!
+//! | `max(s)`, `final(s)`, `integral(s, b)` … | transient | see [`crate::transient`] |
+//!
 //! y is linear in coordinates, inputs and outputs of the host (`xe - xs`, `xe''`, `force(port)`, `stroke(part)`);
 //! around these calls any arithmetic over host parameters may stand.
 
@@ -17,6 +19,8 @@ use quell_expression::{
     Dimension, Expression, ExpressionError, Function, Node, Quantity, Scope, Span, nearest,
 };
 use quell_model::LinearForm;
+
+use crate::transient::Observation;
 
 /// A number taken from the response of an assembly.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +33,8 @@ pub(crate) enum Functional {
     Norm(LinearForm, Norm),
     /// A statistic of the modes.
     Modes(Statistic, Modal),
+    /// A number of a run in time.
+    Time(Observation),
 }
 
 /// Which norm of a frequency response.
@@ -95,6 +101,20 @@ pub(crate) trait RunContext {
     fn scope(&self) -> &dyn Scope;
     /// What kind of run it is.
     fn kind(&self) -> RunKind;
+    /// Whether an expression is a signal, which varies over the run.
+    fn varies(&self, expression: &Expression) -> bool {
+        self.signal(expression).is_ok()
+    }
+    /// The observation of a run in time that a call stands for, if it stands for one.
+    ///
+    /// # Errors
+    /// A signal that cannot be had, arguments that do not fit.
+    fn observe(
+        &self,
+        _call: &Expression,
+    ) -> Result<Option<(Observation, Dimension)>, ExpressionError> {
+        Ok(None)
+    }
 }
 
 /// What a criterion may ask of a run.
@@ -109,6 +129,8 @@ pub(crate) enum RunKind {
     },
     /// Modes.
     Modes,
+    /// Motion in time.
+    Transient,
 }
 
 /// A criterion split into functionals and the arithmetic around them.
@@ -192,6 +214,7 @@ fn offers(kind: RunKind) -> String {
             format!("a frequency run offers {}", calls.join(", "))
         }
         RunKind::Modes => "a modes run offers `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`".to_owned(),
+        RunKind::Transient => "a transient run offers `max(s)`, `min(s)`, `peak(s, n)`, `trough(s, n)`, `initial(s)`, `final(s)`, `at(s, 2 s)`, `mean(s)`, `rms(s)`, `integral(s)`, `integral(s, b)`, `settling(s, band)`, `potential(NAME)`, `kinetic(NAME)`, `stored(NAME)`, `dissipated(NAME)`, `energy_error`".to_owned(),
     }
 }
 
@@ -200,7 +223,13 @@ fn split(
     context: &dyn RunContext,
     functionals: &mut Vec<(Functional, Dimension)>,
 ) -> Result<Expression, ExpressionError> {
-    if let Some(found) = functional(expression, context)? {
+    let found = match context.kind() {
+        RunKind::Transient => context
+            .observe(expression)?
+            .map(|(observation, dimension)| (Functional::Time(observation), dimension)),
+        _ => functional(expression, context)?,
+    };
+    if let Some(found) = found {
         let index = functionals
             .iter()
             .position(|known| *known == found)
@@ -238,10 +267,10 @@ fn split(
                 help: Some("`min` and `max` choose between numbers".to_owned()),
             });
         }
-        Node::Derivative { .. } if context.signal(expression).is_ok() => return Err(varies()),
+        Node::Derivative { .. } if context.varies(expression) => return Err(varies()),
         Node::Call { function, .. }
             if matches!(function.as_str(), "force" | "stroke")
-                && context.signal(expression).is_ok() =>
+                && context.varies(expression) =>
         {
             return Err(varies());
         }
@@ -280,7 +309,7 @@ fn split(
             if Modal::from_name(name).is_some() && context.kind() != RunKind::Modes {
                 return Err(only_modes(name, expression.span));
             }
-            if context.signal(expression).is_ok() || Modal::from_name(name).is_some() {
+            if context.varies(expression) || Modal::from_name(name).is_some() {
                 return Err(varies());
             }
             expression.node.clone()

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use indexmap::IndexMap;
 use num_complex::Complex64;
 use quell_document::Fault;
 use quell_expression::{
@@ -16,9 +17,12 @@ use crate::built::{Built, ValueScratch};
 use crate::criteria::{
     Functional, Modal, Norm, RunContext, RunKind, Statistic, compile, functional_name,
 };
-use crate::results::CriterionDetail;
+use crate::results::{CriterionDetail, Ledger};
 use crate::situation::Situation;
-use crate::study::{Criterion, Run, Study};
+use crate::study::{Criterion, Run, Study, TransientRun};
+use crate::transient::{
+    self, History, Observation, Simulated, TransientPlan, ValuePlaces, Watching,
+};
 
 /// A functional with the run that it reads.
 #[derive(Debug)]
@@ -69,6 +73,8 @@ pub(crate) struct Evaluator {
     built: Arc<Built>,
     readings: Vec<Reading>,
     programs: Vec<Program>,
+    /// Runs in time by name, each carried out once for all that is read of it.
+    transients: Vec<(String, TransientPlan)>,
 }
 
 /// Buffers of one thread.
@@ -106,15 +112,17 @@ pub(crate) struct Drawable<'a> {
     pub band: Option<(f64, f64)>,
 }
 
-struct Context<'a> {
+struct Context<'a, 'w> {
+    study: &'a Study,
     situation: &'a Situation,
+    watching: Option<&'a Watching<'w>>,
     devices: Vec<(String, usize)>,
     parts: Vec<quell_model::DevicePart>,
     input: usize,
     kind: RunKind,
 }
 
-impl RunContext for Context<'_> {
+impl RunContext for Context<'_, '_> {
     fn signal(&self, expression: &Expression) -> Result<(LinearForm, Dimension), ExpressionError> {
         self.situation
             .signal(expression, &self.devices, &self.parts, self.input)
@@ -126,6 +134,23 @@ impl RunContext for Context<'_> {
 
     fn kind(&self) -> RunKind {
         self.kind
+    }
+
+    fn varies(&self, expression: &Expression) -> bool {
+        match self.watching {
+            Some(watching) => watching.knows(expression),
+            None => self.signal(expression).is_ok(),
+        }
+    }
+
+    fn observe(
+        &self,
+        call: &Expression,
+    ) -> Result<Option<(Observation, Dimension)>, ExpressionError> {
+        match self.watching {
+            Some(watching) => transient::observe(self.study, watching, self.scope(), call),
+            None => Ok(None),
+        }
     }
 }
 
@@ -150,16 +175,67 @@ impl Evaluator {
         situation: &Situation,
         built: Arc<Built>,
         only: Option<&[&str]>,
+        runs: &IndexMap<String, Run>,
     ) -> Result<Self, Fault> {
         let mut evaluator = Self {
             built,
             readings: Vec::new(),
             programs: Vec::new(),
+            transients: Vec::new(),
         };
-        for (name, criterion) in &study.criteria {
-            if only.is_none_or(|only| only.contains(&name.as_str())) {
-                evaluator.add(study, situation, name, criterion)?;
+        let chosen: Vec<(&String, &Criterion)> = study
+            .criteria
+            .iter()
+            .filter(|(name, _)| only.is_none_or(|only| only.contains(&name.as_str())))
+            .collect();
+        let run_of = |name: &str| runs.get(name).or_else(|| study.runs.get(name));
+        // Signals are gathered while criteria are read; then each run in time is compiled once.
+        let mut in_time: Vec<(&String, &TransientRun)> = Vec::new();
+        for (_, criterion) in &chosen {
+            if let Some(Run::Transient(run)) = run_of(&criterion.run)
+                && !in_time.iter().any(|(known, _)| **known == criterion.run)
+            {
+                in_time.push((&criterion.run, run));
             }
+        }
+        let (host, devices) = if in_time.is_empty() {
+            (None, Vec::new())
+        } else {
+            let host = situation.equations()?;
+            let devices = evaluator.built.system_devices(study, &host)?;
+            (Some(host), devices)
+        };
+        let watchings: Vec<(&String, Watching<'_>)> = host
+            .iter()
+            .flat_map(|host| {
+                in_time
+                    .iter()
+                    .map(|(name, _)| (*name, Watching::new(host, &devices)))
+            })
+            .collect();
+        for (name, criterion) in &chosen {
+            let watching = watchings
+                .iter()
+                .find(|(known, _)| **known == criterion.run)
+                .map(|(_, watching)| watching);
+            let run = run_of(&criterion.run);
+            evaluator.add(study, situation, (name, criterion), run, watching)?;
+        }
+        let first_elements = evaluator.built.first_elements();
+        for ((name, watching), (_, run)) in watchings.into_iter().zip(in_time) {
+            // Whoever looks at everything wants to see where the energy went.
+            let ledger = only.is_none()
+                || evaluator.readings.iter().any(|reading| {
+                    reading.run == *name
+                        && reading.functional == Functional::Time(Observation::EnergyError)
+                });
+            let built = Arc::clone(&evaluator.built);
+            let places = ValuePlaces {
+                elements: &first_elements,
+                law: &|device, name| built.law_place(device, name),
+            };
+            let plan = TransientPlan::new(study, situation, run, watching, ledger, &places)?;
+            evaluator.transients.push((name.clone(), plan));
         }
         Ok(evaluator)
     }
@@ -168,11 +244,12 @@ impl Evaluator {
         &mut self,
         study: &Study,
         situation: &Situation,
-        name: &str,
-        criterion: &Criterion,
+        (name, criterion): (&str, &Criterion),
+        run: Option<&Run>,
+        watching: Option<&Watching<'_>>,
     ) -> Result<(), Fault> {
         let located = |error: ExpressionError| Fault::from_expression(&study.source, error);
-        let Some(run) = study.runs.get(&criterion.run) else {
+        let Some(run) = run else {
             return Err(Fault::at(
                 &study.source,
                 criterion.span,
@@ -180,9 +257,24 @@ impl Evaluator {
             ));
         };
         let prepared = prepare(study, situation, run)?;
+        if prepared.kind != RunKind::Transient && self.built.assembly.is_none() {
+            let why = if situation.is_equations() {
+                "the host is written as equations"
+            } else {
+                "a device holds a nonlinear element"
+            };
+            return Err(Fault::at(
+                &study.source,
+                criterion.span,
+                format!("`{name}` reads a response of linear systems, and {why}"),
+            )
+            .help("use a run of `kind = \"transient\"`"));
+        }
         let (devices, parts) = self.built.signal_names();
         let context = Context {
+            study,
             situation,
+            watching,
             devices,
             parts,
             input: prepared.input,
@@ -220,10 +312,10 @@ impl Evaluator {
                 Functional::Norm(form, _) => form_dimension(form, criterion, &context),
                 _ => dimension,
             };
-            let plan = match (&functional, prepared.band) {
-                (Functional::Peak(form), Some(band)) => Some(
+            let plan = match (&functional, prepared.band, &self.built.assembly) {
+                (Functional::Peak(form), Some(band), Some(assembly)) => Some(
                     Plan::new(
-                        &self.built.assembly,
+                        assembly,
                         prepared.input,
                         form,
                         band,
@@ -288,8 +380,15 @@ impl Evaluator {
     /// Fast values of all criteria at element values that stand in `scratch.values`, into `out`; NaN where there is none.
     pub(crate) fn fast(&self, scratch: &mut EvaluatorScratch, out: &mut [f64]) {
         scratch.readings.clear();
-        for index in 0..self.readings.len() {
-            let value = self.reading(index, scratch);
+        let mut simulated = self.simulate(&scratch.values);
+        for (index, reading) in self.readings.iter().enumerate() {
+            let value = match &reading.functional {
+                Functional::Time(observation) => simulated
+                    .iter_mut()
+                    .find(|(name, _)| *name == reading.run)
+                    .map_or(f64::NAN, |(_, simulated)| simulated.read(observation).0),
+                _ => self.reading(index, scratch),
+            };
             scratch.readings.push(value);
         }
         for (program, out) in self.programs.iter().zip(out) {
@@ -297,13 +396,58 @@ impl Evaluator {
         }
     }
 
+    /// Lets the runs in time run.
+    fn simulate(&self, values: &ValueScratch) -> Vec<(&str, Simulated<'_>)> {
+        self.transients
+            .iter()
+            .map(|(name, plan)| {
+                (
+                    name.as_str(),
+                    plan.simulate(&values.mechanical, &values.laws),
+                )
+            })
+            .collect()
+    }
+
+    /// Energy ledgers by run in time, at element values that stand in `values`.
+    pub(crate) fn ledgers(&self, values: &ValueScratch) -> IndexMap<String, Ledger> {
+        self.simulate(values)
+            .into_iter()
+            .filter_map(|(name, mut simulated)| Some((name.to_owned(), simulated.ledger()?)))
+            .collect()
+    }
+
+    /// What happened in the runs in time, as far as criteria look at it: of one criterion, or of all.
+    pub(crate) fn histories(&self, values: &ValueScratch, only: Option<&str>) -> Vec<History> {
+        let mut histories = Vec::new();
+        for (name, mut simulated) in self.simulate(values) {
+            let chosen = self.programs.iter().filter(|program| {
+                only.is_none_or(|only| program.name == only)
+            });
+            let read: Vec<&Observation> = chosen
+                .flat_map(|program| &program.readings)
+                .filter_map(|index| self.readings.get(*index))
+                .filter(|reading| reading.run == name)
+                .filter_map(|reading| match &reading.functional {
+                    Functional::Time(observation) => Some(observation),
+                    _ => None,
+                })
+                .collect();
+            histories.extend(simulated.histories(name, &read));
+        }
+        histories
+    }
+
     fn reading(&self, index: usize, scratch: &mut EvaluatorScratch) -> f64 {
         let Some(reading) = self.readings.get(index) else {
             return f64::NAN;
         };
         let values = &scratch.values.mechanical;
-        let assembly = &self.built.assembly;
+        let Some(assembly) = &self.built.assembly else {
+            return f64::NAN;
+        };
         match &reading.functional {
+            Functional::Time(_) => f64::NAN,
             Functional::Peak(_) => match &reading.plan {
                 Some(plan) => plan.peak(values, &mut scratch.response).value,
                 None => f64::NAN,
@@ -315,7 +459,7 @@ impl Evaluator {
                 let squared = if reading.band.is_none() && reading.spectrum.is_none() {
                     h2_fast(assembly, values, reading.input, form).unwrap_or(f64::NAN)
                 } else {
-                    self.norm_squared(reading, form, *norm, values)
+                    self.norm_squared(reading, form, *norm, values, assembly)
                         .map_or(f64::NAN, |norm| norm.squared)
                 };
                 rooted(*norm, squared)
@@ -333,6 +477,7 @@ impl Evaluator {
         form: &LinearForm,
         norm: Norm,
         values: &[f64],
+        assembly: &quell_response::Assembly,
     ) -> Result<quell_response::Norm, quell_response::ResponseError> {
         let spectrum = reading.spectrum.clone();
         let density = move |omega: f64| {
@@ -346,7 +491,7 @@ impl Evaluator {
             Some(&density)
         };
         h2(
-            &self.built.assembly,
+            assembly,
             values,
             reading.input,
             form,
@@ -421,8 +566,17 @@ impl Evaluator {
         let mut missed = Missed::new();
         let mut numbers = Vec::new();
         let mut knowledge: Vec<Known> = Vec::new();
+        let mut simulated = self.simulate(&scratch.values);
         for (index, reading) in self.readings.iter().enumerate() {
-            let (value, known) = self.certified_reading(reading, &values);
+            let (value, known) = match &reading.functional {
+                Functional::Time(observation) => {
+                    match simulated.iter_mut().find(|(name, _)| *name == reading.run) {
+                        Some((_, simulated)) => in_time(simulated, observation),
+                        None => Known::failed("there is no such run".to_owned()),
+                    }
+                }
+                _ => self.certified_reading(reading, &values),
+            };
             if let (Some(plan), Some(omega)) = (&reading.plan, known.omega) {
                 let fast = plan.peak(&values, &mut scratch.response).value;
                 if value > fast * (1.0 + reading.tolerance) || fast.is_nan() {
@@ -442,13 +596,20 @@ impl Evaluator {
                     .iter()
                     .filter_map(|reading| knowledge.get(*reading))
                     .collect();
-                let worst = known.iter().find(|known| known.status != "certified");
+                let worst = known
+                    .iter()
+                    .find(|known| !matches!(known.status.as_str(), "certified" | "computed"))
+                    .or_else(|| known.iter().find(|known| known.status != "certified"));
                 Certified {
                     value,
                     detail: CriterionDetail {
                         unit: program.dimension.unit_text(),
                         at_hz: match known.as_slice() {
                             [one] => one.omega.map(|omega| omega / std::f64::consts::TAU),
+                            _ => None,
+                        },
+                        at_s: match known.as_slice() {
+                            [one] => one.time,
                             _ => None,
                         },
                         achieved_tolerance: known
@@ -465,8 +626,11 @@ impl Evaluator {
     }
 
     fn certified_reading(&self, reading: &Reading, values: &[f64]) -> (f64, Known) {
-        let assembly = &self.built.assembly;
+        let Some(assembly) = &self.built.assembly else {
+            return Known::failed("there is no linear system".to_owned());
+        };
         match &reading.functional {
+            Functional::Time(_) => Known::failed("there is no such run".to_owned()),
             Functional::Peak(form) => {
                 let Some(band) = reading.band else {
                     return Known::failed("the run has no band".to_owned());
@@ -483,6 +647,7 @@ impl Evaluator {
                         certificate.value,
                         Known {
                             omega: Some(certificate.omega),
+                            time: None,
                             tolerance: Some(certificate.achieved_tolerance),
                             status: match certificate.status {
                                 CertificateStatus::Certified => "certified".to_owned(),
@@ -501,6 +666,7 @@ impl Evaluator {
                         response.norm(),
                         Known {
                             omega: Some(*omega),
+                            time: None,
                             tolerance: None,
                             status: "computed".to_owned(),
                         },
@@ -508,7 +674,7 @@ impl Evaluator {
                     Err(error) => Known::failed(error.to_string()),
                 }
             }
-            Functional::Norm(form, norm) => match self.norm_squared(reading, form, *norm, values) {
+            Functional::Norm(form, norm) => match self.norm_squared(reading, form, *norm, values, assembly) {
                 Ok(found) => {
                     let relative = found.error_estimate / found.squared;
                     let share = if *norm == Norm::Variance { 1.0 } else { 0.5 };
@@ -516,6 +682,7 @@ impl Evaluator {
                         rooted(*norm, found.squared),
                         Known {
                             omega: None,
+                            time: None,
                             tolerance: Some(share * relative),
                             status: "computed".to_owned(),
                         },
@@ -529,6 +696,7 @@ impl Evaluator {
                         value,
                         Known {
                             omega: None,
+                            time: None,
                             tolerance: None,
                             status: "computed".to_owned(),
                         },
@@ -583,14 +751,14 @@ impl Evaluator {
                     form,
                     band: reading.band,
                 }),
-                Functional::Modes(..) => None,
+                Functional::Modes(..) | Functional::Time(_) => None,
             }
         })
     }
 }
 
 /// The dimension of output over input of the norm in a criterion.
-fn form_dimension(form: &LinearForm, criterion: &Criterion, context: &Context<'_>) -> Dimension {
+fn form_dimension(form: &LinearForm, criterion: &Criterion, context: &Context<'_, '_>) -> Dimension {
     let mut found = Dimension::NONE;
     criterion.value.walk(&mut |part| {
         if let quell_expression::Node::Call { arguments, .. } = &part.node
@@ -604,8 +772,32 @@ fn form_dimension(form: &LinearForm, criterion: &Criterion, context: &Context<'_
     found
 }
 
+/// A number of a run in time with what is known about it.
+fn in_time(simulated: &mut Simulated<'_>, observation: &Observation) -> (f64, Known) {
+    let (value, time) = simulated.read(observation);
+    let status = if let Some(failure) = &simulated.failure {
+        failure.clone()
+    } else if value.is_nan() {
+        observation.absent().to_owned()
+    } else if simulated.grazes() {
+        "computed, but an event is grazed: it is touched rather than crossed, so a small change of any value may end the run much later".to_owned()
+    } else {
+        "computed".to_owned()
+    };
+    (
+        value,
+        Known {
+            omega: None,
+            time,
+            tolerance: None,
+            status,
+        },
+    )
+}
+
 struct Known {
     omega: Option<f64>,
+    time: Option<f64>,
     tolerance: Option<f64>,
     status: String,
 }
@@ -616,6 +808,7 @@ impl Known {
             f64::NAN,
             Self {
                 omega: None,
+                time: None,
                 tolerance: None,
                 status,
             },
@@ -671,6 +864,13 @@ fn modal_value(
 
 pub(crate) fn prepare(study: &Study, situation: &Situation, run: &Run) -> Result<Prepared, Fault> {
     match run {
+        Run::Transient(_) => Ok(Prepared {
+            input: usize::MAX,
+            band: None,
+            spectrum: None,
+            oscillatory: false,
+            kind: RunKind::Transient,
+        }),
         Run::Modes { oscillatory } => Ok(Prepared {
             input: usize::MAX,
             band: None,

@@ -64,12 +64,32 @@ pub const STUDY: KeySet = KeySet {
 /// `[elements.NAME]`.
 pub const ELEMENT: KeySet = KeySet {
     title: "Declared element",
-    documentation: "A name that stands for an element in layouts.",
+    documentation: "A name that stands for an element in layouts: a linear one by its `kind`, a nonlinear one by its `force`.",
     keys: &[
-        Key::required(
+        Key::optional(
             "kind",
             Shape::Choice(&["spring", "damper", "inerter", "mass"]),
             "What it is (of the mechanical kind; in other domains its analogue).",
+        ),
+        Key::optional(
+            "force",
+            Shape::Expression,
+            "Force of a nonlinear element: an expression of its relative displacement `x` and its rate `v`, positive where it resists stretching, of its `parameters` and the host's. For runs in time.",
+        ),
+        Key::optional(
+            "parameters",
+            AMOUNTS,
+            "Parameters of `force` with their values; a configuration gives others as `NAME.PARAMETER`, a task searches them within `bounds`. An expression may use the host's parameters and the element's own.",
+        ),
+        Key::optional(
+            "stores",
+            Shape::Boolean,
+            "The energy that the nonlinear element takes can be had back: it counts as `potential`.",
+        ),
+        Key::optional(
+            "dissipates",
+            Shape::Boolean,
+            "The energy that the nonlinear element takes is lost: it counts as `dissipated`.",
         ),
         Key::optional(
             "domain",
@@ -158,11 +178,11 @@ pub const DEVICE: KeySet = KeySet {
 /// `[runs.NAME]`.
 pub const RUN: KeySet = KeySet {
     title: "Run",
-    documentation: "One computation: the response to a harmonic input over frequency, or the free modes.",
+    documentation: "One computation: the response to a harmonic input over frequency, the free modes, or motion in time.",
     keys: &[
         Key::required(
             "kind",
-            Shape::Choice(&["frequency", "modes"]),
+            Shape::Choice(&["frequency", "modes", "transient"]),
             "Which computation.",
         ),
         Key::optional("input", Shape::Text, "frequency: the input of the host."),
@@ -181,6 +201,81 @@ pub const RUN: KeySet = KeySet {
             Shape::Choice(&["all", "oscillatory"]),
             "modes: which of them count; all unless given. Rigid-body modes never count.",
         ),
+        Key::optional(
+            "duration",
+            Shape::Amount,
+            "transient: how long it lasts at most, each phase by itself.",
+        ),
+        Key::optional(
+            "end",
+            Shape::Table(&END),
+            "transient: the event that ends it, in the last phase. A run that does not reach it gives no numbers.",
+        ),
+        Key::optional(
+            "continue",
+            Shape::Amount,
+            "transient: how long it goes on beyond its end event, for `beyond(…)` in criteria.",
+        ),
+        Key::optional(
+            "start",
+            Shape::Choice(&["stated", "equilibrium"]),
+            "transient: where it starts: as the host says (unless given), or in static equilibrium.",
+        ),
+        Key::optional(
+            "phases",
+            Shape::List(&Shape::Table(&PHASE)),
+            "transient: phases, one after the other; states carry over. One free phase unless given.",
+        ),
+        Key::optional(
+            "tolerance",
+            Shape::Number,
+            "transient: relative tolerance of the integration; 1e-8 unless given. What is piecewise linear is propagated exactly.",
+        ),
+        Key::optional(
+            "method",
+            Shape::Choice(&["automatic", "explicit", "stiff", "stiff oscillating"]),
+            "transient: how it is integrated; automatic unless given.",
+        ),
+    ],
+    others: None,
+};
+
+/// `end` of a run in time.
+pub const END: KeySet = KeySet {
+    title: "End event",
+    documentation: "A signal going through zero.",
+    keys: &[
+        Key::required(
+            "event",
+            Shape::Expression,
+            "The signal: any expression of the host's coordinates, definitions, forces, `t` and parts of devices.",
+        ),
+        Key::optional("rising", Shape::Boolean, "Only upwards."),
+        Key::optional("falling", Shape::Boolean, "Only downwards."),
+        Key::optional(
+            "armed",
+            Shape::Text,
+            "It counts only after this comparison has once been true: `\"x' > 0\"`.",
+        ),
+    ],
+    others: None,
+};
+
+/// A phase of a run in time.
+pub const PHASE: KeySet = KeySet {
+    title: "Phase",
+    documentation: "A stretch of a run in time; `{}` is free motion until the end.",
+    keys: &[
+        Key::optional(
+            "hold",
+            Shape::Expression,
+            "What does not move in it: a combination of coordinates. Where it is the across-variable of a port, the port's devices rest and `reaction(…)` is the whole force there; elsewhere the reaction acts by virtual work.",
+        ),
+        Key::optional(
+            "until",
+            Shape::Text,
+            "The comparison that ends it: `\"reaction(x) > F0\"`.",
+        ),
     ],
     others: None,
 };
@@ -188,7 +283,7 @@ pub const RUN: KeySet = KeySet {
 /// `[criteria.NAME]`.
 pub const CRITERION: KeySet = KeySet {
     title: "Criterion",
-    documentation: "One number taken from a run. Over frequency: `max(abs(y))`, `abs(y, 12 Hz)`, `h2(y)`, `rms(y)`, `variance(y)`; of modes: `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`. y is linear in coordinates, inputs and outputs (`xe - xs`, `xe''`, `force(PORT)`, `stroke(track1)`).",
+    documentation: "One number taken from a run. Over frequency: `max(abs(y))`, `abs(y, 12 Hz)`, `h2(y)`, `rms(y)`, `variance(y)`; of modes: `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`. y is linear in coordinates, inputs and outputs (`xe - xs`, `xe''`, `force(PORT)`, `stroke(track1)`). Of motion in time, s and b being any expressions of signals: `max(s)`, `min(s)` (of `beyond(s)`: after the end event), `peak(s, n)`, `trough(s, n)`, `initial(s)`, `final(s)`, `at(s, TIME)`, `mean(s)`, `rms(s)`, `integral(s)` over time, `integral(s, b)` over b, `settling(s, BAND)`, `settling(s, TARGET, BAND)`; of a device or element `potential(NAME)`, `kinetic(NAME)`, `stored(NAME)`, `dissipated(NAME)`; `energy_error`.",
     keys: &[
         Key::required("run", Shape::Text, "Name of the run."),
         Key::required("value", Shape::Expression, "The number."),
@@ -219,8 +314,8 @@ pub const TASK: KeySet = KeySet {
         ),
         Key::optional(
             "configurations",
-            Shape::MapOf(&Shape::MapOf(&Shape::Amount)),
-            "evaluate: by name, a layout for each slot (`network = \"track1\"`) and a value for each variable or element; a device that is not named is left off.",
+            Shape::MapOf(&Shape::MapOf(&Shape::Anything)),
+            "evaluate: by name, a layout for each slot (`network = \"track1\"`) and a value for each variable or element; a device that is not named is left off. `\"runs.RUN.KEY\"` gives a key of a run another value in this configuration.",
         ),
         Key::optional(
             "minimise",

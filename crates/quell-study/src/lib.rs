@@ -23,12 +23,13 @@ mod situation;
 mod standing;
 pub mod study;
 mod sweep;
+mod transient;
 mod unread;
 
 pub use amount::Amount;
 pub use check::{Summary, check};
 pub use outcome::{
-    BuiltDevice, Design, DesignFindings, Evaluated, Findings, NamedValue, Plot, PointOutcome,
+    BuiltDevice, Design, DesignFindings, Evaluated, Findings, NamedValue, Over, Plot, PointOutcome,
     Reference, Role, RunOutcome, Series, TaskOutcome,
 };
 pub use problem::{DesignProblem, ProblemScratch, problems};

@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 use quell_network::{Domain, Layout};
 
-use crate::results::{CriterionDetail, Results};
+use crate::results::{CriterionDetail, Ledger, Results};
 use crate::study::Sense;
 
 /// Everything that a run found.
@@ -72,6 +72,8 @@ pub struct Evaluated {
     pub criteria: IndexMap<String, f64>,
     /// More on each.
     pub details: IndexMap<String, CriterionDetail>,
+    /// By run in time: where the energy has gone.
+    pub energy: IndexMap<String, Ledger>,
 }
 
 /// What designs are measured against.
@@ -152,9 +154,22 @@ pub struct NamedValue {
     pub logarithmic: bool,
 }
 
-/// A response drawn over frequency.
+/// What curves run over.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Over {
+    /// Frequency, Hz.
+    Frequency,
+    /// Time, s.
+    Time,
+    /// Another signal, with its SI unit.
+    Signal(String, String),
+}
+
+/// A response drawn over frequency, time or another signal.
 #[derive(Debug, Clone)]
 pub struct Plot {
+    /// What it is drawn over.
+    pub over: Over,
     /// What is drawn: `|Td|`.
     pub quantity: String,
     /// Its SI unit.
@@ -183,7 +198,7 @@ pub struct Series {
     pub name: String,
     /// What it stands for.
     pub role: Role,
-    /// (Hz, SI value).
+    /// (Hz, s or SI value of the signal that it runs over; SI value).
     pub points: Vec<(f64, f64)>,
     /// The marked peak, if it is one.
     pub peak: Option<(f64, f64)>,

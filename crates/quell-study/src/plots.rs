@@ -6,8 +6,9 @@ use quell_model::LinearForm;
 use quell_response::{Assembly, certify};
 
 use crate::evaluator::{Drawable, Evaluator, EvaluatorScratch};
-use crate::outcome::{Plot, Role, Series};
+use crate::outcome::{Over, Plot, Role, Series};
 use crate::study::Study;
+use crate::transient::History;
 
 /// Points of a curve before peaks are added.
 const POINTS: usize = 400;
@@ -44,6 +45,9 @@ impl Curves {
         let mut scratch = EvaluatorScratch::default();
         built.values(point, &mut scratch.values);
         let values = &scratch.values.mechanical;
+        for history in evaluator.histories(&scratch.values, self.only.as_deref()) {
+            self.add_history(history, name, role);
+        }
         let names: Vec<&str> = evaluator.names().collect();
         for (index, criterion) in names.iter().enumerate() {
             if self.only.as_deref().is_some_and(|only| only != *criterion) {
@@ -53,7 +57,9 @@ impl Curves {
                 continue;
             };
             let title = quantity(study, criterion);
-            let assembly = &built.assembly;
+            let Some(assembly) = &built.assembly else {
+                continue;
+            };
             // Curves that are compared run over the same frequencies: without a band those of the first.
             let first = || self.range(criterion);
             let own = || around_modes(assembly, values);
@@ -84,6 +90,7 @@ impl Curves {
                 None => self.plots.push((
                     (*criterion).to_owned(),
                     Plot {
+                        over: Over::Frequency,
                         quantity: title,
                         unit: response_unit(evaluator, index),
                         logarithmic,
@@ -91,6 +98,31 @@ impl Curves {
                     },
                 )),
             }
+        }
+    }
+
+    /// Adds what happened in a run in time.
+    fn add_history(&mut self, history: History, name: &str, role: Role) {
+        let series = Series {
+            name: name.to_owned(),
+            role,
+            points: history.points,
+            peak: None,
+        };
+        // Several runs may look at one signal, each by itself.
+        let key = format!("{}: {} over {:?}", history.run, history.quantity, history.over);
+        match self.plots.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, plot)) => plot.series.push(series),
+            None => self.plots.push((
+                key,
+                Plot {
+                    over: history.over,
+                    quantity: history.quantity,
+                    unit: history.unit,
+                    logarithmic: false,
+                    series: vec![series],
+                },
+            )),
         }
     }
 

@@ -141,6 +141,7 @@ fn configuration(one: &Evaluated) -> ConfigurationResult {
         devices: devices(&one.devices),
         criteria: one.criteria.clone(),
         details: one.details.clone(),
+        energy: one.energy.clone(),
     }
 }
 

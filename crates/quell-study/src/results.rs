@@ -121,6 +121,53 @@ pub struct ConfigurationResult {
     pub criteria: IndexMap<String, f64>,
     /// More on each criterion.
     pub details: IndexMap<String, CriterionDetail>,
+    /// By run in time: where the energy has gone.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
+    pub energy: IndexMap<String, Ledger>,
+}
+
+/// Where the energy has gone in a run in time, J.
+///
+/// ```text
+/// kinetic_end - kinetic_start = host - Σ_ports given,   Σ_ports received = Σ_elements
+/// ```
+#[derive(Debug, Clone, Serialize, PartialEq)]
+pub struct Ledger {
+    /// ½ q'ᵀ M q' of the host at the start.
+    pub kinetic_start: f64,
+    /// The same at the end.
+    pub kinetic_end: f64,
+    /// Work of all forces of the host other than devices': gravity, its own springs and dampers, inputs.
+    pub host: f64,
+    /// What of that is there only because of the inputs.
+    pub inputs: f64,
+    /// By port.
+    pub ports: IndexMap<String, PortEnergy>,
+    /// By element, `device.element`.
+    pub elements: IndexMap<String, ElementEnergy>,
+    /// What is missing in the balance, over its largest entry.
+    pub error: f64,
+}
+
+/// Work at a port, J.
+#[derive(Debug, Clone, Copy, Serialize, PartialEq)]
+pub struct PortEnergy {
+    /// Work that the device's force takes from the coordinates.
+    pub given: f64,
+    /// Work ∫F dx that the device receives.
+    pub received: f64,
+    /// Their difference: zero but for rounding where the force acts by virtual work; where the host's equations place a named
+    /// force, what that convention loses.
+    pub mismatch: f64,
+}
+
+/// What an element took, J.
+#[derive(Debug, Clone, Copy, Serialize, PartialEq)]
+pub struct ElementEnergy {
+    /// `potential`, `kinetic`, `dissipated`, or `other` for a nonlinear element that says neither.
+    pub kind: &'static str,
+    /// ∫F dx since the start of the run.
+    pub energy: f64,
 }
 
 /// More on one value of a criterion.
@@ -131,6 +178,9 @@ pub struct CriterionDetail {
     /// Where the value is taken, Hz, for a peak over frequency.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_hz: Option<f64>,
+    /// When the value is taken, s, for one read at a moment of a run in time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_s: Option<f64>,
     /// The relative tolerance that the value is known to.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub achieved_tolerance: Option<f64>,

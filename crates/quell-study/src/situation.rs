@@ -1,12 +1,14 @@
 //! A host at one set of parameters.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use faer::Mat;
 use indexmap::IndexMap;
 use quell_document::Fault;
 use quell_expression::{Dimension, Expression, ExpressionError, NoNames, Quantity};
 use quell_model::{
-    DevicePart, HostFile, LinearForm, LinearHost, NamedElement, Override, SignalNames,
+    Coordinate, CoordinateKind, DevicePart, EquationHost, EquationInputKind, Host, HostFile, Input,
+    InputKind, LinearForm, LinearHost, Measure, NamedElement, Override, Port, SignalNames,
 };
 
 use quell_network::{Component, ComponentVariable};
@@ -17,11 +19,14 @@ use crate::study::Study;
 /// The host at one set of parameters, with the names that expressions of the study may use.
 #[derive(Debug, Clone)]
 pub(crate) struct Situation {
-    /// The structure.
+    /// The structure. Of a host written as equations: names of coordinates, inputs and ports, without matrices.
     pub host: Arc<LinearHost>,
     /// The host's parameters, SI.
     pub parameters: Vec<(String, Quantity)>,
     elements: Vec<NamedElement>,
+    /// A linear host as it was read, from which its equations are made when a run in time asks for them.
+    assembled: Option<Arc<Host>>,
+    equations: OnceLock<Arc<EquationHost>>,
 }
 
 /// Builds the host with the study's overrides and the values of a sweep.
@@ -52,14 +57,87 @@ pub(crate) fn build(
         replaced.retain(|known| known.name != *name);
         replaced.push(Override::new(name.clone(), *quantity));
     }
+    if host.is_equations() {
+        let equations = host
+            .equations(&replaced)
+            .map_err(|fault| blamed(fault, host, &replaced))?;
+        let parameters = equations
+            .parameters
+            .iter()
+            .map(|parameter| (parameter.name.clone(), parameter.value))
+            .collect();
+        return Ok(Situation {
+            host: Arc::new(names_of(&equations)),
+            parameters,
+            elements: Vec::new(),
+            assembled: None,
+            equations: OnceLock::from(Arc::new(equations)),
+        });
+    }
     let assembled = host
         .assemble(&replaced)
         .map_err(|fault| blamed(fault, host, &replaced))?;
     Ok(Situation {
-        host: Arc::new(assembled.linear),
-        parameters: assembled.parameters,
-        elements: assembled.elements,
+        host: Arc::new(assembled.linear.clone()),
+        parameters: assembled.parameters.clone(),
+        elements: assembled.elements.clone(),
+        assembled: Some(Arc::new(assembled)),
+        equations: OnceLock::new(),
     })
+}
+
+/// The names of a host that is written as equations, as a linear host without matrices has them.
+fn names_of(equations: &EquationHost) -> LinearHost {
+    let kind = |measure: Measure| match measure {
+        Measure::Rotation => CoordinateKind::Rotation,
+        Measure::Translation | Measure::Number => CoordinateKind::Translation,
+    };
+    let count = equations.coordinates.len();
+    let inputs = equations.inputs.len();
+    let square = || Mat::zeros(count, count);
+    let wide = || Mat::zeros(count, inputs);
+    LinearHost {
+        name: equations.name.clone(),
+        coordinates: equations
+            .coordinates
+            .iter()
+            .map(|coordinate| Coordinate {
+                name: coordinate.name.clone(),
+                kind: kind(coordinate.kind),
+            })
+            .collect(),
+        mass: square(),
+        damping: square(),
+        stiffness: square(),
+        loss: None,
+        inputs: equations
+            .inputs
+            .iter()
+            .map(|input| Input {
+                name: input.name.clone(),
+                kind: match input.kind {
+                    EquationInputKind::Mechanical(kind) => kind,
+                    EquationInputKind::Number => InputKind::Force,
+                },
+                motion: CoordinateKind::Translation,
+                dimension: input.dimension,
+            })
+            .collect(),
+        forcing: [wide(), wide(), wide()],
+        ports: equations
+            .ports
+            .iter()
+            .map(|port| Port {
+                name: port.name.clone(),
+                coordinates: vec![0.0; count],
+                inputs: vec![0.0; inputs],
+                kind: kind(port.kind),
+                hangs: port.hangs,
+                grounded: port.grounded,
+            })
+            .collect(),
+        outputs: Vec::new(),
+    }
 }
 
 /// A host that is sound as it stands and not with these values: the message says which.
@@ -68,7 +146,7 @@ fn blamed(fault: Fault, host: &HostFile, replaced: &[Override]) -> Fault {
         .source
         .as_ref()
         .is_some_and(|source| Arc::ptr_eq(source, host.source()));
-    if replaced.is_empty() || !in_host || host.assemble(&[]).is_err() {
+    if replaced.is_empty() || !in_host || !sound(host) {
         return fault;
     }
     let values: Vec<String> = replaced
@@ -86,6 +164,15 @@ fn blamed(fault: Fault, host: &HostFile, replaced: &[Override]) -> Fault {
     fault.help(help)
 }
 
+/// Whether a host can be built as it stands.
+fn sound(host: &HostFile) -> bool {
+    if host.is_equations() {
+        host.equations(&[]).is_ok()
+    } else {
+        host.assemble(&[]).is_ok()
+    }
+}
+
 /// Whether a parameter is a frequency, for which a plain number is refused.
 fn name_is_frequency(host: &HostFile, name: &str) -> Result<bool, Fault> {
     let own = host.parameters(&[])?;
@@ -95,6 +182,26 @@ fn name_is_frequency(host: &HostFile, name: &str) -> Result<bool, Fault> {
 }
 
 impl Situation {
+    /// Whether the host is written as equations.
+    pub(crate) const fn is_equations(&self) -> bool {
+        self.assembled.is_none()
+    }
+
+    /// The host as equations, for runs in time.
+    ///
+    /// # Errors
+    /// A linear host that has none: loss factors are defined for harmonic motion only.
+    pub(crate) fn equations(&self) -> Result<Arc<EquationHost>, Fault> {
+        if let Some(known) = self.equations.get() {
+            return Ok(Arc::clone(known));
+        }
+        let Some(assembled) = &self.assembled else {
+            return Err(Fault::new("the host has no equations"));
+        };
+        let made = Arc::new(EquationHost::from_linear(assembled)?);
+        Ok(Arc::clone(self.equations.get_or_init(|| made)))
+    }
+
     /// The study's components with their variables' dimensions at these parameters.
     ///
     /// # Errors

@@ -31,6 +31,8 @@ pub struct Study {
     pub kinds: Declared,
     /// Named sub-networks with design variables.
     pub components: IndexMap<String, Component>,
+    /// Nonlinear elements by name.
+    pub laws: IndexMap<String, ForceLawSpec>,
     /// What may be bolted on, and where.
     pub devices: IndexMap<String, Device>,
     /// Computations on the assembled system.
@@ -117,6 +119,88 @@ pub enum Run {
         /// Only oscillatory modes count.
         oscillatory: bool,
     },
+    /// Motion in time.
+    Transient(Box<TransientRun>),
+}
+
+/// Motion in time from a start until an event or a time.
+#[derive(Debug, Clone)]
+pub struct TransientRun {
+    /// What ends it.
+    pub end: Option<EndEvent>,
+    /// How long it lasts at most.
+    pub duration: Amount,
+    /// How long it is continued beyond its end, for `beyond(…)`.
+    pub beyond: Option<Amount>,
+    /// Where it starts.
+    pub start: StartAt,
+    /// Its phases, one after the other; none for a single free one.
+    pub phases: Vec<PhaseSpec>,
+    /// Relative tolerance of the integration.
+    pub tolerance: f64,
+    /// How it is integrated.
+    pub method: Integration,
+    /// Where the run is declared.
+    pub span: Span,
+}
+
+/// Where a run in time starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StartAt {
+    /// As the host says.
+    Stated,
+    /// In static equilibrium.
+    Equilibrium,
+}
+
+/// How a run in time is integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Integration {
+    /// As the system asks for.
+    Automatic,
+    /// An explicit method.
+    Explicit,
+    /// A stiff method.
+    Stiff,
+    /// A stiff method for lightly damped oscillations.
+    StiffOscillating,
+}
+
+/// What ends a run in time.
+#[derive(Debug, Clone)]
+pub struct EndEvent {
+    /// The signal that goes through zero.
+    pub event: Expression,
+    /// Upwards, downwards, or either way.
+    pub rising: Option<bool>,
+    /// It counts only after this has been true.
+    pub armed: Option<Expression>,
+}
+
+/// A phase of a run in time.
+#[derive(Debug, Clone)]
+pub struct PhaseSpec {
+    /// What does not move in it.
+    pub hold: Option<Expression>,
+    /// What ends it.
+    pub until: Option<Expression>,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// A nonlinear element: its force as an expression of its own x and v.
+#[derive(Debug, Clone)]
+pub struct ForceLawSpec {
+    /// The force.
+    pub force: Expression,
+    /// Its parameters' defaults.
+    pub parameters: IndexMap<String, Amount>,
+    /// Its energy can be had back.
+    pub stores: bool,
+    /// Its energy is lost.
+    pub dissipates: bool,
+    /// Where it is declared.
+    pub span: Span,
 }
 
 /// The response to a harmonic input over frequency.
@@ -252,6 +336,8 @@ pub enum CandidateSet {
 /// A configuration as typed: a layout for each slot, and values.
 #[derive(Debug, Clone)]
 pub struct ConfigurationSpec {
+    /// Runs that differ from the study's in this configuration.
+    pub runs: IndexMap<String, Run>,
     /// Layouts by slot; a device that is not named is left off.
     pub layouts: IndexMap<Slot, (Layout, Span)>,
     /// Values by name.

@@ -7,7 +7,7 @@ use super::design::{
     starts_in_short, values_line, values_table,
 };
 use super::figure::figure;
-use super::{anchor, count, prose};
+use super::{anchor, count, energy, prose};
 use crate::number::{SIGNIFICANT_DIGITS, compact, percent, unit};
 use crate::page::{
     Configuration, Design, Parameter, ReferenceRow, SweepPoint, TaskKind, TaskSection,
@@ -50,6 +50,7 @@ fn results(
             [only] => (single(task, only)),
             _ => (configurations_table(task, configurations)),
         }
+        (energy::section(configurations))
         @for (index, plot) in task.plots.iter().enumerate() { (figure(plot, &format!("{id}-plot-{index}"))) }
         @if task.kind == TaskKind::Design && (task.criteria.len() > 1 || !task.references.is_empty()) { (comparison(task, designs.first())) }
         @if designs.len() > 1 { (ranks(task, designs)) }

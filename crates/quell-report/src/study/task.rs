@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use quell_study::study::{DesignTask, TaskKind as Asked};
 use quell_study::{
+    Over,
     Design, DesignFindings, Evaluated, Findings, NamedValue, PointOutcome, Role, RunOutcome, Sense,
     TaskOutcome,
 };
@@ -11,6 +12,7 @@ use quell_study::{
 use super::{Bridge, shown_unit};
 use crate::number::{compact, significant, unit};
 use crate::page::{
+    EnergyBars, EnergyPart,
     self, Configuration, CriterionColumn, CriterionValue, Parameter, Quantity, ReferenceRow,
     SweepPoint, TaskKind, TaskSection,
 };
@@ -229,6 +231,7 @@ impl Bridge<'_> {
                 name: one.name.clone(),
                 devices: self.devices(&one.devices, &[]),
                 criteria: self.values(one, &point.at, None, columns),
+                energy: energies(one),
             })
             .collect()
     }
@@ -249,6 +252,9 @@ impl Bridge<'_> {
                 let mut note: Vec<String> = Vec::new();
                 if let Some(at) = detail.and_then(|detail| detail.at_hz) {
                     note.push(format!("at {}\u{a0}Hz", significant(at, 4)));
+                }
+                if let Some(at) = detail.and_then(|detail| detail.at_s) {
+                    note.push(format!("at {}\u{a0}s", significant(at, 4)));
                 }
                 if let Some(detail) = detail.filter(|_| !value.is_finite()) {
                     note.push(detail.status.clone());
@@ -362,6 +368,44 @@ fn sureness(detail: &quell_study::results::CriterionDetail) -> String {
     }
 }
 
+/// Where the energy went in each run in time, for bars.
+fn energies(one: &Evaluated) -> Vec<EnergyBars> {
+    one.energy
+        .iter()
+        .map(|(run, ledger)| {
+            let mut parts = vec![EnergyPart {
+                name: "left in motion".to_owned(),
+                kind: "host".to_owned(),
+                energy: ledger.kinetic_end,
+            }];
+            parts.extend(ledger.elements.iter().map(|(name, element)| EnergyPart {
+                name: name.clone(),
+                kind: element.kind.to_owned(),
+                energy: element.energy,
+            }));
+            let lost: f64 = ledger.ports.values().map(|port| port.mismatch).sum();
+            if lost.abs() > 1e-6 * ledger.kinetic_start.abs() {
+                parts.push(EnergyPart {
+                    name: "mismatch of the port's convention".to_owned(),
+                    kind: "other".to_owned(),
+                    energy: lost,
+                });
+            }
+            parts.push(EnergyPart {
+                name: "taken by the host's own forces".to_owned(),
+                kind: "host".to_owned(),
+                energy: -ledger.host,
+            });
+            EnergyBars {
+                run: run.clone(),
+                start: ledger.kinetic_start,
+                parts,
+                error: ledger.error,
+            }
+        })
+        .collect()
+}
+
 /// A response as it is drawn: references in grey, designs in colour.
 fn response(plot: &quell_study::Plot) -> Plot {
     let mut references = 0;
@@ -392,13 +436,18 @@ fn response(plot: &quell_study::Plot) -> Plot {
             Some(curve(series, name, role))
         })
         .collect();
-    let caption = match (references, series.len() - references) {
-        _ if evaluated => "Response over frequency",
-        (0, _) => "Responses of the best designs",
-        (_, 1) => "Response of the design over the references",
-        _ => "Responses of the best designs over the references",
+    let over = match &plot.over {
+        Over::Frequency => "frequency".to_owned(),
+        Over::Time => "time".to_owned(),
+        Over::Signal(name, _) => name.clone(),
     };
-    picture(plot, caption, series)
+    let caption = match (references, series.len() - references) {
+        _ if evaluated => format!("{} over {over}", if plot.over == Over::Frequency { "Response" } else { plot.quantity.as_str() }),
+        (0, _) => "Responses of the best designs".to_owned(),
+        (_, 1) => "Response of the design over the references".to_owned(),
+        _ => "Responses of the best designs over the references".to_owned(),
+    };
+    picture(plot, &caption, series)
 }
 
 fn curve(series: &quell_study::Series, name: String, role: plot::Role) -> Series {
@@ -418,10 +467,22 @@ fn picture(plot: &quell_study::Plot, caption: &str, series: Vec<Series>) -> Plot
             "{caption}{}",
             if marked { "; peaks are marked." } else { "." }
         ),
-        x: Axis {
-            label: "Frequency".to_owned(),
-            unit: "Hz".to_owned(),
-            logarithmic: plot.logarithmic,
+        x: match &plot.over {
+            Over::Frequency => Axis {
+                label: "Frequency".to_owned(),
+                unit: "Hz".to_owned(),
+                logarithmic: plot.logarithmic,
+            },
+            Over::Time => Axis {
+                label: "Time".to_owned(),
+                unit: "s".to_owned(),
+                logarithmic: false,
+            },
+            Over::Signal(name, unit) => Axis {
+                label: name.clone(),
+                unit: unit.clone(),
+                logarithmic: false,
+            },
         },
         y: Axis {
             label: plot.quantity.clone(),

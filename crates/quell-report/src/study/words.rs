@@ -51,6 +51,27 @@ impl Bridge<'_> {
             }
             Run::Modes { oscillatory: true } => "free oscillatory modes".to_owned(),
             Run::Modes { oscillatory: false } => "free modes".to_owned(),
+            Run::Transient(run) => {
+                let mut text = "motion in time".to_owned();
+                match &run.end {
+                    Some(end) => {
+                        let way = match end.rising {
+                            Some(true) => " rises through",
+                            Some(false) => " falls through",
+                            None => " goes through",
+                        };
+                        let _ = write!(text, " until `{}`{way} zero", end.event);
+                        if let Some(armed) = &end.armed {
+                            let _ = write!(text, " after `{armed}`");
+                        }
+                        let _ = write!(text, ", at most {}", run.duration.expression());
+                    }
+                    None => {
+                        let _ = write!(text, " for {}", run.duration.expression());
+                    }
+                }
+                text
+            }
         }
     }
 

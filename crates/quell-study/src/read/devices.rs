@@ -13,7 +13,7 @@ use quell_search::Scale;
 use super::{amounts_of, check_name, counted, named_tables, resolve, unknown};
 use crate::amount::Amount;
 use crate::keys;
-use crate::study::{Bounds, Component, Declared, Device};
+use crate::study::{Bounds, Component, Declared, Device, ForceLawSpec};
 
 /// The slot of a device that lists none.
 const USUAL_SLOT: &str = "network";
@@ -80,9 +80,91 @@ pub(super) fn components<'a>(
     Ok(components)
 }
 
+/// The nonlinear elements.
+pub(super) fn laws(
+    elements: Option<Value<'_>>,
+    source: &Arc<Source>,
+) -> Result<IndexMap<String, ForceLawSpec>, Fault> {
+    let mut laws = IndexMap::new();
+    let Some(value) = elements else {
+        return Ok(laws);
+    };
+    let table = value.as_table()?;
+    for (name, span, value) in table.entries() {
+        let entry = value.as_table()?;
+        entry.check(&keys::ELEMENT)?;
+        let Some(force) = entry.get("force") else {
+            for key in ["parameters", "stores", "dissipates"] {
+                if let Some(stranger) = entry.key_span(key) {
+                    return Err(Fault::at(
+                        source,
+                        stranger,
+                        format!("`{key}` belongs to a nonlinear element, which has a `force`"),
+                    ));
+                }
+            }
+            continue;
+        };
+        for key in ["kind", "domain"] {
+            if let Some(stranger) = entry.key_span(key) {
+                return Err(Fault::at(
+                    source,
+                    stranger,
+                    format!("an element has a `{key}` or a `force`, not both"),
+                )
+                .help("a `force` makes it nonlinear, in translation and rotation alike"));
+            }
+        }
+        let mut parameters = IndexMap::new();
+        if let Some(value) = entry.get("parameters") {
+            let table = value.as_table()?;
+            for (parameter, span, value) in table.entries() {
+                check_name(parameter, span, &table)?;
+                if matches!(parameter, "x" | "v") {
+                    return Err(Fault::at(
+                        source,
+                        span,
+                        format!("`{parameter}` is the element's own motion"),
+                    )
+                    .help("choose another name: `x` is its relative displacement, `v` the rate"));
+                }
+                parameters.insert(parameter.to_owned(), Amount::read(&value, source)?);
+            }
+        }
+        let force = force.expression()?;
+        if !force.names().iter().any(|own| matches!(*own, "x" | "v")) {
+            return Err(Fault::at(
+                source,
+                span,
+                format!("the force of `{name}` depends neither on `x` nor on `v`"),
+            )
+            .help("`x` is the element's relative displacement, `v` its rate: `force = \"k3*x^3\"`"));
+        }
+        let flag = |key: &str| entry.get(key).map(|value| value.as_bool()).transpose();
+        let law = ForceLawSpec {
+            force,
+            parameters,
+            stores: flag("stores")?.unwrap_or(false),
+            dissipates: flag("dissipates")?.unwrap_or(false),
+            span,
+        };
+        if law.stores && law.dissipates {
+            return Err(Fault::at(
+                source,
+                span,
+                format!("`{name}` cannot both store and dissipate all that it takes"),
+            )
+            .help("split it into two elements side by side, or say neither"));
+        }
+        laws.insert(name.to_owned(), law);
+    }
+    Ok(laws)
+}
+
 /// The kinds of branch that layouts may name, in each domain.
 pub(super) fn declared(
     elements: Option<Value<'_>>,
+    laws: &IndexMap<String, ForceLawSpec>,
     components: &IndexMap<String, RawComponent<'_>>,
     components_value: Option<Value<'_>>,
 ) -> Result<Declared, Fault> {
@@ -102,8 +184,22 @@ pub(super) fn declared(
             check_name(name, span, &table)?;
             let entry = value.as_table()?;
             entry.check(&keys::ELEMENT)?;
+            if let Some(law) = laws.get(name) {
+                let names = law.force.names();
+                let [displacement, rate] = ["x", "v"].map(|own| names.contains(&own));
+                for domain in [Domain::Translational, Domain::Rotational] {
+                    declare(domain, &|kinds| {
+                        kinds.declare_custom(name, displacement, rate)
+                    })
+                    .map_err(|error| Fault::at(table.source(), span, error.to_string()))?;
+                }
+                continue;
+            }
             let element = match entry
-                .require("kind")?
+                .require("kind")
+                .map_err(|fault| {
+                    fault.help("say what it is, `kind = \"spring\"`, or its force, `force = \"k*x^3\"`")
+                })?
                 .one_of(&["spring", "damper", "inerter", "mass"])?
             {
                 "spring" => Element::Spring,

@@ -2,6 +2,7 @@
 
 mod devices;
 mod tasks;
+mod transient;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -48,7 +49,13 @@ impl Study {
         let standing = crate::situation::build(&host, &overrides, &[])?;
 
         let components = devices::components(root.get("components"), &source)?;
-        let kinds = devices::declared(root.get("elements"), &components, root.get("components"))?;
+        let laws = devices::laws(root.get("elements"), &source)?;
+        let kinds = devices::declared(
+            root.get("elements"),
+            &laws,
+            &components,
+            root.get("components"),
+        )?;
         let components = devices::component_layouts(components, &kinds)?;
         let devices = devices::devices(&root.require("devices")?, &kinds, &standing.host, &source)?;
         let runs = runs(&root.require("runs")?, &standing.host, &source)?;
@@ -62,6 +69,7 @@ impl Study {
             overrides,
             kinds,
             components,
+            laws,
             devices,
             runs,
             criteria,
@@ -269,12 +277,16 @@ fn runs(
         check_name(name, span, &table)?;
         let entry = named_tables(&value, "runs")?;
         entry.check(&keys::RUN)?;
-        let kind = entry.require("kind")?.one_of(&["frequency", "modes"])?;
-        let strangers: &[&str] = if kind == "modes" {
-            &["input", "band", "spectrum"]
-        } else {
-            &["modes"]
+        let kind = entry.require("kind")?.one_of(&["frequency", "modes", "transient"])?;
+        let own: &[&str] = match kind {
+            "modes" => &["modes"],
+            "transient" => &transient::KEYS,
+            _ => &["input", "band", "spectrum"],
         };
+        let strangers = ["input", "band", "spectrum", "modes"]
+            .iter()
+            .chain(&transient::KEYS)
+            .filter(|key| !own.contains(key));
         for key in strangers {
             if let Some(stranger) = entry.key_span(key) {
                 return Err(Fault::at(
@@ -284,7 +296,9 @@ fn runs(
                 ));
             }
         }
-        let run = if kind == "modes" {
+        let run = if kind == "transient" {
+            transient::run(&entry, name, span, source)?
+        } else if kind == "modes" {
             let which = entry
                 .get("modes")
                 .map(|value| value.one_of(&["all", "oscillatory"]))

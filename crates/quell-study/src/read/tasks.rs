@@ -8,12 +8,12 @@ use quell_expression::{ComparisonOperator, Expression, Node, Span};
 use quell_network::{Budget, Domain, Enumeration, EnumerationError, Equivalence, Kinds, Layout};
 use quell_search::Scale;
 
-use super::{amounts_of, devices, resolve, unknown};
+use super::{amounts_of, devices, resolve, transient, unknown};
 use crate::amount::Amount;
 use crate::built::domain_of;
 use crate::keys;
 use crate::study::{
-    Bounds, CandidateSet, ConfigurationSpec, Constraint, DesignTask, Sense, Slot, Study, SweepAxis,
+    Bounds, CandidateSet, ConfigurationSpec, Constraint, DesignTask, Run, Sense, Slot, Study, SweepAxis,
     SweepRange, SweepValues, Task, TaskKind,
 };
 
@@ -201,7 +201,12 @@ fn evaluate(
         let entry = value.as_table().map_err(|fault| fault.help(EXAMPLE))?;
         let mut layouts = IndexMap::new();
         let mut values = IndexMap::new();
+        let mut runs: IndexMap<String, Run> = IndexMap::new();
         for (key, key_span, value) in entry.entries() {
+            if let Some(path) = key.strip_prefix("runs.") {
+                override_run(study, &mut runs, path, key_span, &value)?;
+                continue;
+            }
             match slot_of(study, key, key_span)? {
                 Some(slot) => {
                     let layout =
@@ -220,6 +225,7 @@ fn evaluate(
         found.insert(
             name.to_owned(),
             ConfigurationSpec {
+                runs,
                 layouts,
                 values,
                 span,
@@ -232,6 +238,46 @@ fn evaluate(
             .help(EXAMPLE));
     }
     Ok(found)
+}
+
+/// `runs.RUN.KEY` of a configuration: the run with another value of the key.
+fn override_run(
+    study: &Study,
+    runs: &mut IndexMap<String, Run>,
+    path: &str,
+    span: Span,
+    value: &Value<'_>,
+) -> Result<(), Fault> {
+    let fault = |message: String| Fault::at(&study.source, span, message);
+    let Some((name, key)) = path.split_once('.') else {
+        return Err(fault(format!("`runs.{path}` does not say which key of the run"))
+            .help("write `\"runs.RUN.KEY\"`"));
+    };
+    let Some(base) = runs.get(name).or_else(|| study.runs.get(name)) else {
+        return Err(unknown(
+            fault(format!("there is no run `{name}`")),
+            name,
+            "run",
+            study.runs.keys().map(String::as_str),
+        ));
+    };
+    let Run::Transient(base) = base else {
+        return Err(fault(format!(
+            "only keys of runs of kind `transient` can differ between configurations, and `{name}` is none"
+        )));
+    };
+    if !transient::KEYS.contains(&key) {
+        return Err(unknown(
+            fault(format!("a `transient` run has no key `{key}`")),
+            key,
+            "key",
+            transient::KEYS.iter().copied(),
+        ));
+    }
+    let mut changed = base.clone();
+    transient::set(&mut changed, key, value, &study.source)?;
+    runs.insert(name.to_owned(), Run::Transient(changed));
+    Ok(())
 }
 
 fn design(table: &Table<'_>, study: &Study) -> Result<DesignTask, Fault> {

@@ -80,6 +80,7 @@ impl Runner<'_> {
             situation,
             Arc::clone(problem.evaluator.built()),
             None,
+            &indexmap::IndexMap::new(),
         )?;
         let evaluated = evaluated(&candidate.label(), &all, &outcome.point);
         let verdict = Verdict::on(&evaluated, design, &problem.constraints);

@@ -1,0 +1,154 @@
+//! Runs in time as typed.
+
+use std::sync::Arc;
+
+use quell_document::{Fault, Source, Table, Value};
+use quell_expression::{Expression, Node, Span};
+
+use crate::amount::Amount;
+use crate::keys;
+use crate::study::{EndEvent, Integration, PhaseSpec, Run, StartAt, TransientRun};
+
+/// The keys of a run in time, in which configurations may differ.
+pub(super) const KEYS: [&str; 7] = [
+    "duration", "end", "continue", "start", "phases", "tolerance", "method",
+];
+
+/// Reads a run of kind `transient`.
+pub(super) fn run(
+    table: &Table<'_>,
+    name: &str,
+    span: Span,
+    source: &Arc<Source>,
+) -> Result<Run, Fault> {
+    let duration = table.get("duration").ok_or_else(|| {
+        table
+            .fault(format!("the run `{name}` does not say how long it lasts"))
+            .help("add `duration = \"10 s\"`; with `end` it is the longest that it may take")
+    })?;
+    let mut run = TransientRun {
+        end: None,
+        duration: Amount::read(&duration, source)?,
+        beyond: None,
+        start: StartAt::Stated,
+        phases: Vec::new(),
+        tolerance: 1e-8,
+        method: Integration::Automatic,
+        span,
+    };
+    for key in KEYS {
+        if let Some(value) = table.get(key) {
+            set(&mut run, key, &value, source)?;
+        }
+    }
+    Ok(Run::Transient(Box::new(run)))
+}
+
+/// Sets one key of a run in time.
+///
+/// # Errors
+/// The value does not fit the key.
+pub(super) fn set(
+    run: &mut TransientRun,
+    key: &str,
+    value: &Value<'_>,
+    source: &Arc<Source>,
+) -> Result<(), Fault> {
+    match key {
+        "duration" => run.duration = Amount::read(value, source)?,
+        "continue" => run.beyond = Some(Amount::read(value, source)?),
+        "end" => run.end = Some(end(value)?),
+        "start" => {
+            run.start = match value.one_of(&["stated", "equilibrium"])? {
+                "equilibrium" => StartAt::Equilibrium,
+                _ => StartAt::Stated,
+            }
+        }
+        "phases" => {
+            let list = value
+                .as_array()
+                .map_err(|fault| fault.help("write a list: `[{ hold = \"x\", until = \"…\" }, {}]`"))?;
+            run.phases = list.iter().map(phase).collect::<Result<_, _>>()?;
+            let count = run.phases.len();
+            for (index, (phase, value)) in run.phases.iter().zip(&list).enumerate() {
+                if phase.until.is_none() && index + 1 < count {
+                    return Err(value
+                        .fault("nothing ends this phase, and another follows")
+                        .help("add `until = \"…\"`"));
+                }
+            }
+        }
+        "tolerance" => {
+            let tolerance = value.as_f64()?;
+            if !(1e-13..=1e-2).contains(&tolerance) {
+                return Err(value
+                    .fault(format!("the tolerance {tolerance} is out of reach"))
+                    .help("the tolerance of an integration lies between 1e-13 and 1e-2; 1e-8 unless given"));
+            }
+            run.tolerance = tolerance;
+        }
+        _ => {
+            run.method = match value.one_of(&[
+                "automatic",
+                "explicit",
+                "stiff",
+                "stiff oscillating",
+            ])? {
+                "explicit" => Integration::Explicit,
+                "stiff" => Integration::Stiff,
+                "stiff oscillating" => Integration::StiffOscillating,
+                _ => Integration::Automatic,
+            }
+        }
+    }
+    Ok(())
+}
+
+fn end(value: &Value<'_>) -> Result<EndEvent, Fault> {
+    let table = value
+        .as_table()
+        .map_err(|fault| fault.help("write `end = { event = \"x'\", falling = true }`"))?;
+    table.check(&keys::END)?;
+    let flag = |key: &str| table.get(key).map(|value| value.as_bool()).transpose();
+    let (rising, falling) = (flag("rising")?, flag("falling")?);
+    Ok(EndEvent {
+        event: table.require("event")?.expression()?,
+        rising: match (rising.unwrap_or(false), falling.unwrap_or(false)) {
+            (true, false) => Some(true),
+            (false, true) => Some(false),
+            _ => None,
+        },
+        armed: table
+            .get("armed")
+            .map(|value| comparison(&value))
+            .transpose()?,
+    })
+}
+
+fn phase(value: &Value<'_>) -> Result<PhaseSpec, Fault> {
+    let table = value.as_table()?;
+    table.check(&keys::PHASE)?;
+    Ok(PhaseSpec {
+        hold: table
+            .get("hold")
+            .map(|value| value.expression())
+            .transpose()?,
+        until: table
+            .get("until")
+            .map(|value| comparison(&value))
+            .transpose()?,
+        span: value.span(),
+    })
+}
+
+/// A condition that becomes true at a moment.
+fn comparison(value: &Value<'_>) -> Result<Expression, Fault> {
+    let expression = value.expression()?;
+    if matches!(expression.node, Node::Comparison { .. }) {
+        Ok(expression)
+    } else {
+        Err(value
+            .fault("expected one comparison")
+            .help("such as `\"x' > 0\"`"))
+    }
+}

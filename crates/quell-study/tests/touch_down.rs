@@ -1,0 +1,128 @@
+//! The touch-down of a raked two-mass landing gear, as chapter 4 of Y. Li's doctoral thesis on the optimal design of passive
+//! vibration suppressors with inerters has it (in part in Li, Jiang, Neild and Wang, Journal of Aircraft 54(5), 2017).
+//!
+//! Expected figures were computed independently: exact stepping of the linear equations, checked by a general solver of
+//! order 8. They are printed to the digits below, which is where the tolerances come from.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
+
+use std::path::Path;
+
+use quell_study::{Evaluated, Findings, RunSettings, Silent, Study, run};
+
+fn configurations(task: &str) -> Vec<Evaluated> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies/touch-down.toml");
+    let study = Study::read(&path).unwrap_or_else(|fault| panic!("{fault:?}"));
+    let settings = RunSettings {
+        tasks: vec![task.to_owned()],
+        ..RunSettings::default()
+    };
+    let mut outcome = run(&study, &settings, &Silent).unwrap_or_else(|error| panic!("{error:?}"));
+    match outcome.tasks.remove(0).points.remove(0).findings {
+        Findings::Evaluate(found) => found,
+        Findings::Design(_) => panic!("`{task}` evaluates"),
+    }
+}
+
+const LBF: f64 = 4.448_221_615_260_5;
+const FT: f64 = 0.3048;
+
+/// Names of the criteria with their units in the tables.
+const COLUMNS: [(&str, f64); 10] = [
+    ("eta", 0.01),
+    ("F_max", LBF),
+    ("ss_max", FT),
+    ("V_end", FT),
+    ("t_end", 1.0),
+    ("Ek", LBF * FT),
+    ("Ept", LBF * FT),
+    ("Eps", LBF * FT),
+    ("W_d", LBF * FT),
+    ("W_2ss", LBF * FT),
+];
+
+#[test]
+fn default_strut_free_and_locked() {
+    // eta %, F_max, ss_max, V_end, Ek, Ept, Eps, W_d, W_2ss.
+    let expected = [
+        ("free", [81.575, 6373.22, 0.52919, 2.0966, 173.62, 226.71, 471.10, 2161.23, 67.81]),
+        ("locked", [81.353, 6370.70, 0.53007, 2.0838, 171.50, 232.57, 473.87, 2154.60, 67.92]),
+    ];
+    // Half a unit of the last printed digit.
+    let printed = [5e-4, 5e-3, 5e-6, 5e-5, 5e-3, 5e-3, 5e-3, 5e-3, 5e-3];
+    let found = configurations("default");
+    for (configuration, (name, row)) in found.iter().zip(expected) {
+        assert_eq!(configuration.name, name);
+        let columns = COLUMNS.iter().filter(|(column, _)| *column != "t_end");
+        for (((column, unit), expected), printed) in columns.zip(row).zip(printed) {
+            let value = configuration.criteria[*column] / unit;
+            let tolerance = (1e-4 * f64::abs(expected)).max(printed);
+            assert!(
+                (value - expected).abs() <= tolerance,
+                "{name}: {column} is {value}, expected {expected} ({:?})",
+                configuration.details[*column]
+            );
+        }
+        closes(configuration);
+    }
+}
+
+#[test]
+fn rows_of_fixed_parameters() {
+    let expected: [(&str, [f64; 10]); 11] = [
+        ("R1", [84.731, 5783.2, 0.52909, 1.9627, 0.18100, 152.2, 400.0, 954.6, 1526.0, 67.80]),
+        ("R2", [82.112, 5575.5, 0.52918, 1.3832, 0.17272, 75.6, 639.2, 1205.7, 1112.3, 67.81]),
+        ("R3", [81.498, 6380.1, 0.42788, 2.0001, 0.16441, 158.0, 759.0, 1061.5, 1067.1, 54.83]),
+        ("R4", [92.393, 5006.8, 0.52929, 2.0899, 0.12620, 172.5, 517.5, 2156.4, 186.2, 67.82]),
+        ("R5", [92.466, 4902.7, 0.52910, 2.0581, 0.12815, 167.3, 570.5, 1796.0, 498.8, 67.80]),
+        ("R6", [89.103, 6380.3, 0.36429, 0.4552, 0.12731, 8.2, 1064.1, 1522.4, 459.1, 46.68]),
+        ("R7", [83.233, 6376.7, 0.38533, 0.0660, 0.13670, 0.2, 1094.2, 1620.7, 291.9, 49.37]),
+        ("R8", [92.897, 5184.3, 0.49801, 1.9273, 0.12458, 146.7, 595.2, 1941.6, 353.1, 63.81]),
+        ("R9", [89.256, 6058.3, 0.48634, 2.0899, 0.17977, 172.5, 349.5, 574.4, 1941.8, 62.32]),
+        ("R10", [88.686, 5799.1, 0.52911, 1.9858, 0.18839, 155.7, 273.4, 661.8, 1941.8, 67.80]),
+        ("R11", [87.712, 5488.1, 0.52909, 0.5294, 0.16262, 11.1, 584.8, 116.9, 2320.0, 67.80]),
+    ];
+    // Half a unit of the last printed digit; 0.01 points of eta and 2e-5 s of the end are asked for.
+    let printed = [0.01, 0.05, 5e-6, 5e-5, 2e-5, 0.05, 0.05, 0.05, 0.05, 5e-3];
+    let found = configurations("rows");
+    assert_eq!(found.len(), expected.len());
+    for (configuration, (name, row)) in found.iter().zip(expected) {
+        assert_eq!(configuration.name, name);
+        for (((column, unit), expected), printed) in COLUMNS.iter().zip(row).zip(printed) {
+            let value = configuration.criteria[*column] / unit;
+            let tolerance = if matches!(*column, "eta" | "t_end") {
+                printed
+            } else {
+                (2e-4 * f64::abs(expected)).max(printed)
+            };
+            assert!(
+                (value - expected).abs() <= tolerance,
+                "{name}: {column} is {value}, expected {expected} ({:?})",
+                configuration.details[*column]
+            );
+        }
+        closes(configuration);
+    }
+    // The kinetic energy of the inerter in series, counted apart.
+    let inerter = found[6].criteria["Ek_inerter"] / (LBF * FT);
+    assert!((inerter - 44.1).abs() <= 0.05, "{inerter}");
+}
+
+/// The energy ledger closes to a millionth of the kinetic energy at the start.
+fn closes(configuration: &Evaluated) {
+    let ledger = &configuration.energy["touchdown"];
+    let largest = ledger.kinetic_start.abs();
+    let missing = ledger.error * largest.max(ledger.kinetic_end.abs()).max(ledger.host.abs());
+    assert!(
+        missing <= 1e-6 * ledger.kinetic_start,
+        "{}: {ledger:?}",
+        configuration.name
+    );
+    // The source places the strut's force by a cosine that loses 4.3 % of its axial work: the ledger says so.
+    let port = &ledger.ports["strut"];
+    let lost = 12.0_f64.to_radians().cos().powi(2);
+    assert!(
+        (port.given / port.received - lost).abs() < 1e-6,
+        "{}: {port:?}",
+        configuration.name
+    );
+}
