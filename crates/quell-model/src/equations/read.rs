@@ -405,18 +405,21 @@ impl<'a> Reader<'a> {
 
     /// The one unit, of those that occur in the host, with which the rate of a state is consistent. Further states without
     /// unit are taken to be of the same.
+    ///
+    /// What the unit must satisfy is linear in its exponents: one unit does, or none, or all. So one that nobody has tells
+    /// whether all do, and otherwise the first that fits is the only one.
     fn unit_of_state(&mut self, index: usize) -> Result<Dimension, Fault> {
+        let place = self.states[index].rate.clone();
+        let expression = place.expression()?;
         let open: Vec<usize> = (0..self.states.len())
             .filter(|&other| {
                 other == index || (other > index && self.states[other].dimension.is_none())
             })
             .collect();
-        let known: Vec<Dimension> = self.host.states.iter().map(|one| one.dimension).collect();
-        let candidates = self.candidates();
-        let place = self.states[index].rate.clone();
-        let expression = place.expression()?;
-        let (mut fitting, mut refusals) = (Vec::new(), Vec::new());
-        for candidate in candidates {
+        let candidates = self.candidates(index);
+        let strange = Dimension::new(7, -11, 13, 0);
+        let (mut found, mut refusals) = (None, Vec::new());
+        for &candidate in std::iter::once(&strange).chain(&candidates) {
             for &other in &open {
                 self.host.states[other].dimension = candidate;
             }
@@ -426,25 +429,25 @@ impl<'a> Reader<'a> {
                 Ok((_, rate)) => {
                     let wanted = candidate / Dimension::TIME;
                     if rate.without_angle() == wanted.without_angle() {
-                        fitting.push(candidate);
+                        found = Some(candidate);
+                        break;
                     }
                 }
                 Err(error) => refusals.push(error),
             }
         }
-        for (state, dimension) in self.host.states.iter_mut().zip(known) {
-            state.dimension = dimension;
+        for &other in &open {
+            self.host.states[other].dimension = Dimension::NONE;
         }
-        if let [only] = fitting[..] {
-            return Ok(only);
+        if let Some(found) = found.filter(|found| *found != strange) {
+            return Ok(found);
         }
         // Whatever is wrong with any unit is not about units.
-        let first = refusals.first().cloned();
-        if let Some(first) = first
-            && refusals.len() == self.candidates().len()
-            && refusals.iter().all(|error| *error == first)
+        if let Some(first) = refusals.first()
+            && refusals.len() > candidates.len()
+            && refusals.iter().all(|error| error == first)
         {
-            return Err(self.at(first));
+            return Err(self.at(first.clone()));
         }
         let name = &self.states[index].name;
         Err(place
@@ -456,11 +459,14 @@ impl<'a> Reader<'a> {
             )))
     }
 
-    /// Units that a state may have, rad left out: those in the host, and the common ones.
-    fn candidates(&self) -> Vec<Dimension> {
-        let mut candidates = vec![
-            Dimension::NONE,
+    /// Units that a state may have, rad left out, likely ones first: those of earlier states, the common ones, those of
+    /// inputs and parameters.
+    fn candidates(&self, state: usize) -> Vec<Dimension> {
+        let host = &self.host;
+        let states = host.states.iter().take(state).map(|one| one.dimension);
+        let common = [
             Dimension::LENGTH,
+            Dimension::NONE,
             Dimension::FORCE,
             Dimension::MOMENT,
             Dimension::VELOCITY,
@@ -468,10 +474,10 @@ impl<'a> Reader<'a> {
             Dimension::TEMPERATURE,
             Dimension::CURRENT,
         ];
-        let host = &self.host;
-        let parameters = host.parameters.iter().map(|one| one.value.dimension);
         let inputs = host.inputs.iter().map(|one: &EquationInput| one.dimension);
-        for dimension in parameters.chain(inputs) {
+        let parameters = host.parameters.iter().map(|one| one.value.dimension);
+        let mut candidates: Vec<Dimension> = Vec::new();
+        for dimension in states.chain(common).chain(inputs).chain(parameters) {
             let plain = dimension.without_angle();
             if !candidates.contains(&plain) {
                 candidates.push(plain);
