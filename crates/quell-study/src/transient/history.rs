@@ -41,6 +41,7 @@ pub(crate) fn histories(
             | Observation::Minimum(signal, _)
             | Observation::Peak(signal, _)
             | Observation::Trough(signal, _)
+            | Observation::Crossing(signal, _)
             | Observation::At(signal, _)
             | Observation::Rms(signal)
             | Observation::Settling { signal, .. } => single.push(*signal),

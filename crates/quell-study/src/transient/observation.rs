@@ -1,6 +1,6 @@
 //! Numbers taken from a run in time.
 
-use quell_response::transient::Record;
+use quell_response::transient::{Direction, Record};
 
 /// The part of a run that is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +22,8 @@ pub(crate) enum Observation {
     Peak(usize, usize),
     /// The n-th local minimum.
     Trough(usize, usize),
+    /// Time of the n-th rise through zero.
+    Crossing(usize, usize),
     /// Value at the start.
     Initial(usize),
     /// Value at the end event, or at the last time.
@@ -84,6 +86,14 @@ impl Observation {
                 window(record, Window::Run);
                 extremum(record.troughs(*signal).into_iter().nth(n.saturating_sub(1)))
             }
+            Self::Crossing(signal, n) => {
+                window(record, Window::Run);
+                let crossings = record.crossings(*signal, 0.0, Direction::Rising);
+                match crossings.get(n.saturating_sub(1)) {
+                    Some(t) => (*t, Some(*t)),
+                    None => (f64::NAN, None),
+                }
+            }
             Self::Initial(signal) => (record.value(*signal, start), Some(start)),
             Self::Final(signal) => (record.value(*signal, end), Some(end)),
             Self::At(signal, t) => {
@@ -134,6 +144,7 @@ impl Observation {
         match self {
             Self::Peak(..) => "the signal has fewer peaks than that",
             Self::Trough(..) => "the signal has fewer troughs than that",
+            Self::Crossing(..) => "the signal rises through zero less often than that",
             Self::At(..) => "the run ends before that time",
             Self::Settling { .. } => "the signal has not settled when the run ends",
             _ => "the run gave no number",

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `max(s)`, `min(s)` | extremes over the run, from the dense solution; `max(beyond(s))`: after the end event |
 //! | `peak(s, n)`, `trough(s, n)` | the n-th local maximum, minimum |
+//! | `crossing(s, n)` | the time at which s rises through zero for the n-th time |
 //! | `initial(s)`, `final(s)`, `at(s, 2 s)` | values at the start, at the end, at a time |
 //! | `mean(s)`, `rms(s)` | over time |
 //! | `integral(s)`, `integral(s, b)` | ∫ s dt, ∫ s db |
@@ -51,6 +52,13 @@ pub(crate) fn observe(
         ("min", [argument]) => {
             let (signal, dimension, window) = windowed(watching, argument)?;
             (Observation::Minimum(signal, window), dimension)
+        }
+        ("crossing", [argument, count]) => {
+            let (signal, _) = of(argument)?;
+            (
+                Observation::Crossing(signal, counted(count, scope)?),
+                time,
+            )
         }
         ("peak" | "trough", [argument, count]) => {
             let (signal, dimension) = of(argument)?;
@@ -125,8 +133,8 @@ pub(crate) fn observe(
             })?;
             (Observation::Energy(signals), dimension)
         }
-        (name @ ("peak" | "trough"), _) => {
-            return Err(arguments_wrong(expression, name, "a signal and a number: `peak(s, 2)`"));
+        (name @ ("peak" | "trough" | "crossing"), _) => {
+            return Err(arguments_wrong(expression, name, "a signal and a number, which one it is"));
         }
         (name @ ("initial" | "final" | "mean"), _) => {
             return Err(arguments_wrong(expression, name, "one signal"));

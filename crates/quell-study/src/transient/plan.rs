@@ -569,20 +569,4 @@ impl Simulated<'_> {
             .last()
             .is_some_and(|last| last.ends_grazing() || !last.grazings().is_empty())
     }
-
-    /// What the integration cost and with what, in words.
-    pub(crate) fn effort(&self) -> String {
-        let steps: usize = self
-            .trajectories
-            .iter()
-            .map(|trajectory| trajectory.statistics().steps)
-            .sum();
-        let mut schemes: Vec<&str> = self
-            .trajectories
-            .iter()
-            .flat_map(|trajectory| trajectory.statistics().schemes.iter().map(|one| one.name()))
-            .collect();
-        schemes.dedup();
-        format!("{steps} steps of {}", schemes.join(", "))
-    }
 }
