@@ -294,7 +294,11 @@ impl Evaluator {
                     unit.text
                 ),
             )
-            .help("a response is over its input: metres by metres make a plain number"));
+            .help(if prepared.kind == RunKind::Transient {
+                "write a unit of the same dimension, or leave `unit` out"
+            } else {
+                "a response is over its input: metres by metres make a plain number"
+            }));
         }
         let mut readings = Vec::new();
         for (functional, dimension) in compiled.functionals {
