@@ -1,6 +1,6 @@
 //! Hosts with devices as compiled systems, against right-hand sides written by hand, independent figures and invariants.
 
-#![allow(clippy::panic, reason = "tests fail by panicking")]
+#![allow(clippy::panic, clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use std::path::Path;
 use std::sync::Arc;
@@ -135,6 +135,8 @@ fn rates(system: &System, prepared: &mut Prepared<'_>, x: &[f64]) -> Vec<f64> {
 
 /// (ks, c, b, k, c2)
 type Values = [f64; 5];
+/// (Force without the inerter across, internal rates, inerter across) of values, stroke, its rate, internal states.
+type ByHand = fn(Values, f64, f64, &[f64]) -> (f64, Vec<f64>, f64);
 
 #[test]
 fn struts_have_the_rates_written_by_hand() {
@@ -143,8 +145,7 @@ fn struts_have_the_rates_written_by_hand() {
     let cos = (std::f64::consts::PI / 15.0).cos();
     let (w1, w2, kt) = (2411.0, 131.0, 18500.0);
     let (m1, m2) = (w1 / 32.18, w2 / 32.18);
-    // Layout; number of internal states; (force without the inerter across, internal rates, inerter across).
-    type ByHand = fn(Values, f64, f64, &[f64]) -> (f64, Vec<f64>, f64);
+    // Layout; number of internal states; by hand.
     let cases: [(&str, usize, ByHand); 6] = [
         ("k1 | c1", 0, |[ks, c, ..], x, v, _| {
             (ks * x + c * v, vec![], 0.0)

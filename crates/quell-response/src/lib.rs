@@ -71,6 +71,7 @@ mod realisation;
 mod receptance;
 mod residues;
 mod structure;
+mod system;
 pub mod transient;
 
 pub use assembly::{Assembly, Attached};

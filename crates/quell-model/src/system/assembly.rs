@@ -989,8 +989,7 @@ impl<'a> Assembler<'a> {
                 found
                     .iter()
                     .find(|(input, _)| *input == state.input)
-                    .map(|(_, slot)| *slot)
-                    .unwrap_or_else(|| self.inputs.graph.constant(0.0))
+                    .map_or_else(|| self.inputs.graph.constant(0.0), |(_, slot)| *slot)
             })
             .collect()
     }
@@ -1004,14 +1003,12 @@ impl<'a> Assembler<'a> {
         self.inputs = assembled.inputs.clone();
         let mut values = Vec::new();
         for (input, quantity) in self.placeholders {
-            values.push((*input, self.quantity(assembled, *quantity)?));
+            values.push((*input, self.quantity(*quantity)?));
         }
         let mut found = Vec::with_capacity(watched.len());
         for item in watched {
             let slot = match item {
-                super::watched::Watched::Quantity(quantity) => {
-                    self.quantity(assembled, *quantity)?
-                }
+                super::watched::Watched::Quantity(quantity) => self.quantity(*quantity)?,
                 super::watched::Watched::Host(slot) => {
                     let with: Vec<(usize, Slot)> =
                         self.replaced.iter().chain(&values).copied().collect();
@@ -1039,7 +1036,7 @@ impl<'a> Assembler<'a> {
         Ok(found)
     }
 
-    fn quantity(&mut self, assembled: &Assembled, quantity: Quantity) -> Result<Slot, SystemError> {
+    fn quantity(&mut self, quantity: Quantity) -> Result<Slot, SystemError> {
         let zero = self.inputs.graph.constant(0.0);
         let slot = match quantity {
             Quantity::Time => self.inputs.slot(Symbol::Time),
@@ -1105,7 +1102,7 @@ impl<'a> Assembler<'a> {
                 self.inputs.graph.multiply(force, rate)
             }
             Quantity::PortReceived { port } => {
-                let force = self.quantity(assembled, Quantity::PortForce { port })?;
+                let force = self.quantity(Quantity::PortForce { port })?;
                 let rate = self
                     .across
                     .get(port)
@@ -1113,7 +1110,7 @@ impl<'a> Assembler<'a> {
                 self.inputs.graph.multiply(force, rate)
             }
             Quantity::PortPower { port } => {
-                let force = self.quantity(assembled, Quantity::PortForce { port })?;
+                let force = self.quantity(Quantity::PortForce { port })?;
                 let power = self.given_to(port);
                 match power {
                     Some(power) => self.inputs.graph.multiply(force, power),
@@ -1131,10 +1128,10 @@ impl<'a> Assembler<'a> {
                 let half = self.inputs.graph.constant(0.5);
                 twice.map_or(zero, |twice| self.inputs.graph.multiply(half, twice))
             }
-            Quantity::HostPower => self.host_power(assembled, true)?,
+            Quantity::HostPower => self.host_power(true),
             Quantity::InputPower => {
-                let all = self.host_power(assembled, true)?;
-                let without = self.host_power(assembled, false)?;
+                let all = self.host_power(true);
+                let without = self.host_power(false);
                 self.inputs.graph.subtract(all, without)
             }
             Quantity::ReactionPower => match (self.phase, self.reaction) {
@@ -1229,12 +1226,7 @@ impl<'a> Assembler<'a> {
     }
 
     /// -q'·(R - M q'' - forces of ports) + ½ q'ᵀ M' q'.
-    fn host_power(
-        &mut self,
-        assembled: &Assembled,
-        with_inputs: bool,
-    ) -> Result<Slot, SystemError> {
-        let _ = assembled;
+    fn host_power(&mut self, with_inputs: bool) -> Slot {
         let mut gone: Vec<usize> = self
             .host
             .ports
@@ -1283,10 +1275,10 @@ impl<'a> Assembler<'a> {
         let half = self.inputs.graph.constant(0.5);
         let turning = turning.map(|turning| self.inputs.graph.multiply(half, turning));
         let sum = plus(&mut self.inputs.graph, given, turning);
-        Ok(match sum {
+        match sum {
             Some(sum) => sum,
             None => self.inputs.graph.constant(0.0),
-        })
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use quell_expression::{Differentiation, Graph, Slot};
 use quell_network::Node;
 
-use super::device::Device;
+use super::device::{Device, ForceLaw};
 use super::elimination::{combination, plus};
 use super::error::SystemError;
 use super::inputs::Inputs;
@@ -410,10 +410,8 @@ impl Structure<'_> {
                 continue;
             };
             let law = device.law(row.element);
-            let springs = law.map_or(item.law.is_spring_like(), |law| {
-                law.depends_on_displacement()
-            });
-            let dampers = law.map_or(item.law.is_damper_like(), |law| law.depends_on_rate());
+            let springs = law.map_or(item.law.is_spring_like(), ForceLaw::depends_on_displacement);
+            let dampers = law.map_or(item.law.is_damper_like(), ForceLaw::depends_on_rate);
             for (rows, touch) in [(&mut right, &row.right_touch), (&mut left, &row.left_touch)] {
                 if springs {
                     rows.stiffness.push(touch.clone());

@@ -182,6 +182,11 @@ impl<'s> Prepared<'s> {
         scatter(&self.system.entries, entries, jacobian, count * count);
     }
 
+    /// ∂x'/∂x alone, row-major.
+    pub fn state_matrix(&mut self, t: f64, x: &[f64], jacobian: &mut [f64]) {
+        self.jacobian(t, x, &mut [], jacobian);
+    }
+
     /// The signals, in the order in which they were to be watched.
     pub fn signals(&mut self, t: f64, x: &[f64], out: &mut [f64]) {
         self.move_to(t, x);

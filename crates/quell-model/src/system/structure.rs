@@ -183,7 +183,7 @@ fn at(row: &[f64], index: usize) -> f64 {
 }
 
 /// Gauss-Jordan elimination on the first `columns` columns; the pivot's column of each row.
-fn reduce(rows: &mut Vec<Vec<f64>>, columns: usize) -> Vec<usize> {
+fn reduce(rows: &mut [Vec<f64>], columns: usize) -> Vec<usize> {
     for row in rows.iter_mut() {
         let largest = row
             .iter()

@@ -3,10 +3,14 @@
 use std::sync::Arc;
 
 use num_complex::Complex64;
+use quell_expression::{Dimension, Expression};
 use quell_model::linear::{LinearHost, Signal};
-use quell_model::system::{Device, Linearised, Phase, Quantity, System, Watched};
-use quell_model::{EquationHost, Host};
-use quell_network::Mechanism;
+use quell_model::system::{
+    Device, ForceLaw, LawParameter, Linearised, Phase, Quantity, System, Vocabulary, Watched,
+};
+use quell_model::{EquationHost, Host, HostFile};
+use quell_network::{Domain, Kinds, Layout, Mechanism};
+use quell_response::transient::{Condition, Direction, End, Event, Record, Settings, simulate};
 use quell_response::{Assembly, Attached};
 
 use crate::harness::{
@@ -272,5 +276,146 @@ fn powers_close_in_random_linear_systems() {
             "seed {seed}, {text}: {sum} and {}",
             signals[elements]
         );
+    }
+}
+
+/// Touch-down of a gear from its host file: (layout, values in lbf, ft, s, [Fs_max, ss_max, |V_end|, t_end]).
+///
+/// The numbers are of an independent program (exact stepping and a general integrator) for the struts of Li, Jiang, Neild
+/// and Wang, Journal of Aircraft 54 (2017); the last row is their default strut of gas and oil.
+const STRUTS: [(&str, &[(&str, f64)], [f64; 4]); 6] = [
+    (
+        "k1 | c1",
+        &[("k1", 7128.0), ("c1", 797.0)],
+        [5783.2, 0.52909, 1.9627, 0.18100],
+    ),
+    (
+        "k1 | c1 | b1",
+        &[("k1", 13411.0), ("c1", 171.4), ("b1", 14.558)],
+        [4902.7, 0.52910, 2.0581, 0.12815],
+    ),
+    (
+        "k1 | (c1 + b1)",
+        &[("k1", 22817.0), ("c1", 1481.0), ("b1", 33.42)],
+        [6376.7, 0.38533, 0.0660, 0.13670],
+    ),
+    (
+        "k1 | b1 | (c1 + k2)",
+        &[
+            ("k1", 4884.2),
+            ("b1", 24.590),
+            ("c1", 1281.3),
+            ("k2", 43298.0),
+        ],
+        [6058.3, 0.48634, 2.0899, 0.17977],
+    ),
+    (
+        "stage | c1",
+        &[("c1", 1000.0)],
+        [5488.1, 0.52909, 0.5294, 0.16262],
+    ),
+    ("gas | oil", &[], [6373.22, 0.52919, 2.0966, f64::NAN]),
+];
+
+#[test]
+fn struts_touch_down_as_an_independent_program_has_it() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../studies/hosts/touch-down.toml"
+    );
+    let host = HostFile::read(path).unwrap().equations(&[]).unwrap();
+    let (foot, pound) = (0.3048_f64, 4.448_221_615_260_5_f64);
+    let mut kinds = Kinds::new(Domain::Translational);
+    kinds.declare_custom("gas", true, false).unwrap();
+    kinds.declare_custom("oil", false, true).unwrap();
+    kinds.declare_custom("stage", true, false).unwrap();
+    let law = |text: &str, parameters: &[(&str, Dimension, f64)]| {
+        let parameters = parameters
+            .iter()
+            .map(|(name, dimension, value)| LawParameter {
+                name: (*name).into(),
+                dimension: *dimension,
+                value: *value,
+            })
+            .collect();
+        let expression = Expression::parse(text).unwrap();
+        ForceLaw::lower(
+            &host,
+            &expression,
+            parameters,
+            Dimension::LENGTH,
+            Dimension::FORCE,
+        )
+        .unwrap()
+    };
+    let volume = Dimension::LENGTH * Dimension::AREA;
+    let square = Dimension::DAMPING / Dimension::VELOCITY;
+    let gas = law(
+        "pa0*Aa*(v0/(v0 - Aa*x))^n",
+        &[
+            ("v0", volume, 0.03545 * foot.powi(3)),
+            ("n", Dimension::NONE, 1.12),
+        ],
+    );
+    let oil = law(
+        "Ad*v*abs(v)",
+        &[("Ad", square, 339.5 * pound / foot / foot)],
+    );
+    // No force up to the knee, from there to the static point of the default strut.
+    let slope = 2464.86 / (0.504_660 - 0.4737) * pound / foot;
+    let stage = law(
+        "k2*max(x - xs, 0)",
+        &[
+            ("k2", Dimension::STIFFNESS, slope),
+            ("xs", Dimension::LENGTH, 0.4737 * foot),
+        ],
+    );
+    for (layout, values, expected) in STRUTS {
+        let parsed = Layout::parse(layout, &kinds).unwrap();
+        let mechanism = Mechanism::from_layout(&parsed, None).unwrap();
+        let mut device = Device::new("leg".into(), 0, mechanism)
+            .with_law("gas", gas.clone())
+            .with_law("oil", oil.clone())
+            .with_law("stage", stage.clone());
+        for (name, value) in values {
+            // k, c and b in lbf/ft, lbf s/ft and slugs alike.
+            device = device.with_value(name, value * pound / foot);
+        }
+        let devices = [device];
+        let mut vocabulary = Vocabulary::new(&host, &devices);
+        let watched: Vec<Watched> = ["ss", "ss'", "Fs", "z1'"]
+            .iter()
+            .map(|text| {
+                vocabulary
+                    .lower(&Expression::parse(text).unwrap())
+                    .unwrap()
+                    .0
+            })
+            .collect();
+        let system = vocabulary.system(&watched, Phase::Free).unwrap();
+        let parameters = system.defaults();
+        let start = system.start(&parameters);
+        let end = Event::on(1, Direction::Falling)
+            .armed(Condition::above(1, 0.0))
+            .ending();
+        let mut prepared = system.prepare(&parameters);
+        let settings = Settings::default();
+        let run = simulate(&mut prepared, &start, (0.0, 1.0), &[end], &settings).unwrap();
+        assert_eq!(run.end(), &End::Event { event: 0 }, "{layout}");
+        let t = run.to();
+        let mut record = Record::new(&run, &mut prepared);
+        let found = [
+            record.maximum(2).value / pound,
+            record.maximum(0).value / foot,
+            record.value(3, t).abs() / foot,
+            t,
+        ];
+        for (found, expected) in found.iter().zip(expected) {
+            // 2e-4 or the last digit printed, as the figures are given.
+            assert!(
+                expected.is_nan() || (found - expected).abs() <= 2e-4 * expected + 6e-5,
+                "{layout}: {found} is not {expected}"
+            );
+        }
     }
 }
