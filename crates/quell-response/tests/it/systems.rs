@@ -125,6 +125,10 @@ fn compare(random: &mut Random, linear: LinearHost, texts: &[String], what: &str
         return false;
     };
     let values = random_values(random, &assembly, 1.0);
+    // Where rounding of a port's coefficients has misled its choice of coordinates it says so, and is no oracle.
+    let Ok(realisation) = assembly.realise(&values) else {
+        return false;
+    };
     let devices: Vec<Device> = networks
         .iter()
         .enumerate()
@@ -152,9 +156,6 @@ fn compare(random: &mut Random, linear: LinearHost, texts: &[String], what: &str
     assert_eq!(system.implicit_unknowns(), 0);
     let n = system.states().len();
     let linearised = system.prepare(&values).linearise(0.0, &vec![0.0; n]);
-    let Ok(realisation) = assembly.realise(&values) else {
-        return false;
-    };
     for _ in 0..4 {
         let s = Complex64::new(random.between(0.1, 3.0), random.between(-3.0, 3.0));
         let (ours, size) = characteristic(&linearised.a, n, s);
