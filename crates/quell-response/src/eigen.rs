@@ -54,6 +54,12 @@ fn check<T: Scalar>(matrix: &Dense<T>) -> Result<(), ResponseError> {
     }
 }
 
+/// One thread for every decomposition: tasks run on threads of their own, and no result may depend on how many there are. Said
+/// each time, because another dependency turns faer's threads on for the whole process.
+fn sequential() {
+    faer::set_global_parallelism(faer::Par::Seq);
+}
+
 /// A scalar whose matrices faer can decompose.
 pub(crate) trait Decompose: Scalar {
     fn eigenvalues(matrix: &Dense<Self>) -> Option<Vec<Complex64>>;
@@ -62,11 +68,13 @@ pub(crate) trait Decompose: Scalar {
 
 impl Decompose for f64 {
     fn eigenvalues(matrix: &Dense<Self>) -> Option<Vec<Complex64>> {
+        sequential();
         Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j))
             .eigenvalues()
             .ok()
     }
     fn eigen(matrix: &Dense<Self>) -> Option<(Vec<Complex64>, Mat<Complex64>)> {
+        sequential();
         let eigen = faer::linalg::solvers::Eigen::new_from_real(
             Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j)).as_ref(),
         )
@@ -80,11 +88,13 @@ impl Decompose for f64 {
 
 impl Decompose for Complex64 {
     fn eigenvalues(matrix: &Dense<Self>) -> Option<Vec<Complex64>> {
+        sequential();
         Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j))
             .eigenvalues()
             .ok()
     }
     fn eigen(matrix: &Dense<Self>) -> Option<(Vec<Complex64>, Mat<Complex64>)> {
+        sequential();
         let eigen = faer::linalg::solvers::Eigen::new(
             Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j)).as_ref(),
         )

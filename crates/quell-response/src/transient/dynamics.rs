@@ -19,7 +19,9 @@ pub trait Dynamics {
     /// such a matrix; implement it where derivatives are known.
     fn jacobian(&mut self, t: f64, x: &[f64], jacobian: &mut [f64]) {
         let n = self.states();
-        let largest = x.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        let largest = x
+            .iter()
+            .fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let mut shifted = x.to_vec();
         let (mut above, mut below) = (vec![0.0; n], vec![0.0; n]);
         for j in 0..n {

@@ -4,6 +4,9 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TransientError {
+    /// A system without states.
+    #[error("the system has no states, so nothing moves")]
+    NoStates,
     /// The start has a wrong number of states.
     #[error("{found} start values were given for a system of {expected} states")]
     StartCount {

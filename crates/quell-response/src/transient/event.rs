@@ -1,6 +1,6 @@
 //! Events: zeros of signals on the solution, found on its dense output.
 
-use super::search::{minimum, root};
+use super::search::{Bracket, minimum, root};
 
 /// Which way a signal goes through its level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -200,13 +200,12 @@ impl Watched {
                 }
             } else if value * self.sign < 0.0 && value.abs() > NOISE * self.scale {
                 let from = self.last.filter(|last| last.1 * self.sign > 0.0);
-                let bracket = match from {
-                    Some(last) => root(last, (t, value), tolerance, &mut g),
+                let bracket = if let Some(last) = from {
+                    root(last, (t, value), tolerance, &mut g)
+                } else {
                     // The last sample was a zero: the crossing is there.
-                    None => {
-                        let near = self.last.map_or(t, |last| last.0);
-                        super::search::Bracket { near, far: near }
-                    }
+                    let near = self.last.map_or(t, |last| last.0);
+                    Bracket { near, far: near }
                 };
                 let far = clearly(bracket.far, t, -self.sign, &mut g);
                 crossed(Crossing {

@@ -99,13 +99,7 @@ impl Exact {
 }
 
 /// Size of the last coefficients over what is allowed; the largest states so far are remembered.
-fn resolution(
-    values: &[f64],
-    scale: &[f64],
-    rung: usize,
-    largest: &mut [f64],
-    n: usize,
-) -> f64 {
+fn resolution(values: &[f64], scale: &[f64], rung: usize, largest: &mut [f64], n: usize) -> f64 {
     let nodes = nodes(DEGREE);
     for row in values.chunks_exact(n) {
         for (largest, value) in largest.iter_mut().zip(row) {

@@ -313,16 +313,22 @@ fn affine(dynamics: &mut dyn Dynamics, piece: &Piece<'_>, a: &mut [f64], b: &mut
     }
 }
 
-/// Whether the rates differ on the two sides of a switch by more than the solution changes.
-fn jumps(dynamics: &mut dyn Dynamics, trajectory: &Trajectory, near: f64, far: f64) -> bool {
+/// Whether the rates differ on the two sides of a switch by more than the solution changes between them, measured by their
+/// size there and at the start of the step.
+fn jumps(
+    dynamics: &mut dyn Dynamics,
+    trajectory: &Trajectory,
+    start: f64,
+    (near, far): (f64, f64),
+) -> bool {
     let n = trajectory.states();
-    let mut rates = [vec![0.0; n], vec![0.0; n]];
-    for (t, rates) in [near, far].into_iter().zip(&mut rates) {
+    let [mut first, mut before, mut after] = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+    for (t, rates) in [(start, &mut first), (near, &mut before), (far, &mut after)] {
         dynamics.rates(t, &trajectory.state(t), rates);
     }
-    let [before, after] = rates;
-    before.iter().zip(&after).any(|(before, after)| {
-        (before - after).abs() > 1e-8 * before.abs().max(after.abs()) + f64::MIN_POSITIVE
+    (0..n).any(|i| {
+        let size = first[i].abs().max(before[i].abs()).max(after[i].abs());
+        (before[i] - after[i]).abs() > 1e-8 * size
     })
 }
 
@@ -354,7 +360,12 @@ impl Visit for Run<'_> {
         if let Some((_, crossing)) = switched {
             if step.scheme != Scheme::Exact
                 && !self.bridging
-                && jumps(dynamics, &self.trajectory, crossing.near, crossing.far)
+                && jumps(
+                    dynamics,
+                    &self.trajectory,
+                    step.from,
+                    (crossing.near, crossing.far),
+                )
             {
                 self.trajectory.pop();
                 self.monitor.take_back();

@@ -149,7 +149,8 @@ mod tests {
 
     #[test]
     fn roots_to_rounding() {
-        let cases: [(fn(f64) -> f64, f64, f64, f64); 4] = [
+        type Case = (fn(f64) -> f64, f64, f64, f64);
+        let cases: [Case; 4] = [
             (|t| t * t - 2.0, 0.0, 2.0, 2f64.sqrt()),
             (|t| (t - 1.0).powi(3), 0.0, 3.0, 1.0),
             (|t| t.cos(), 0.0, 3.0, std::f64::consts::FRAC_PI_2),

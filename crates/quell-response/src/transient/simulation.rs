@@ -28,7 +28,6 @@ pub enum Absolute {
 
 /// How a run is carried out.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub struct Settings {
     /// The integrator.
     pub method: Method,
@@ -175,6 +174,9 @@ pub fn simulate_with(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Trajectory, TransientError> {
     let n = dynamics.states();
+    if n == 0 {
+        return Err(TransientError::NoStates);
+    }
     if start.len() != n {
         return Err(TransientError::StartCount {
             expected: n,
@@ -210,7 +212,11 @@ pub fn simulate_with(
 }
 
 /// Eigenvalues of the Jacobian, or none where they cannot be had.
-pub(crate) fn spectrum(dynamics: &mut dyn Dynamics, t: f64, x: &[f64]) -> Vec<num_complex::Complex64> {
+pub(crate) fn spectrum(
+    dynamics: &mut dyn Dynamics,
+    t: f64,
+    x: &[f64],
+) -> Vec<num_complex::Complex64> {
     let n = x.len();
     let mut jacobian = vec![0.0; n * n];
     dynamics.jacobian(t, x, &mut jacobian);

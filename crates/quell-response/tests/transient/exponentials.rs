@@ -3,13 +3,16 @@
 //! Recipe (Python 3, SciPy 1.17.1): `scipy.linalg.expm(a)` of the matrices below, printed with `repr(float(x))`; the ones without large
 //! entries agree with mpmath's Taylor series in 60 digits to 5e-15.
 
+#![expect(clippy::unreadable_literal, reason = "as SciPy prints them")]
+
 use quell_response::transient::matrix_exponential;
 
 #[rustfmt::skip]
 #[test]
 fn against_scipy() {
     // Tolerances relative to the largest entry: rounding 1e-16 times the squarings, times what the matrix loses by not being normal.
-    let cases: [(&str, usize, &[f64], &[f64], f64); 5] = [
+    type Case = (&'static str, usize, &'static [f64], &'static [f64], f64);
+    let cases: [Case; 5] = [
         // one Jordan block
         ("defective", 3,
             &[-1.0, 1.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0, -1.0],

@@ -1,9 +1,15 @@
 //! Oscillators with closed forms or published figures.
 
+#![expect(
+    clippy::items_after_statements,
+    reason = "a system stands where it is tested"
+)]
+
 use std::f64::consts::{PI, TAU};
 
 use quell_response::transient::{
-    Absolute, Condition, Direction, Dynamics, End, Event, Method, Record, Scheme, Settings, simulate,
+    Absolute, Condition, Direction, Dynamics, End, Event, Method, Record, Scheme, Settings,
+    simulate,
 };
 
 /// x'' + 2 ζ x' + x = a cos(w t); signals x, x', energy, x'².
@@ -48,10 +54,13 @@ fn tight(method: Method) -> Settings {
 fn free_vibration() {
     let zeta: f64 = 0.05;
     let damped = (1.0 - zeta * zeta).sqrt();
-    let exact = |t: f64| {
-        (-zeta * t).exp() * ((damped * t).cos() + zeta / damped * (damped * t).sin())
+    let exact =
+        |t: f64| (-zeta * t).exp() * ((damped * t).cos() + zeta / damped * (damped * t).sin());
+    let mut system = Linear {
+        zeta,
+        force: 0.0,
+        frequency: 0.0,
     };
-    let mut system = Linear { zeta, force: 0.0, frequency: 0.0 };
     // Exact propagation resolves each step to 1e-13 of the largest state; the integrators are asked for 1e-11 a step.
     for (method, tolerance) in [
         (Method::Automatic, 2e-12),
@@ -59,13 +68,18 @@ fn free_vibration() {
         (Method::Stiff, 1e-7),
         (Method::StiffOscillating, 1e-8),
     ] {
-        let trajectory = simulate(&mut system, &[1.0, 0.0], (0.0, 40.0), &[], &tight(method)).unwrap();
+        let trajectory =
+            simulate(&mut system, &[1.0, 0.0], (0.0, 40.0), &[], &tight(method)).unwrap();
         assert_eq!(trajectory.end(), &End::Time);
         assert_eq!(trajectory.to(), 40.0);
         for i in 0..=400 {
             let t = 0.1 * f64::from(i);
             let x = trajectory.state(t)[0];
-            assert!((x - exact(t)).abs() < tolerance, "{method:?} {t}: {x} {}", exact(t));
+            assert!(
+                (x - exact(t)).abs() < tolerance,
+                "{method:?} {t}: {x} {}",
+                exact(t)
+            );
         }
         let mut record = Record::new(&trajectory, &mut system);
         // Peaks of the free decay: exp(-ζ t) at t = 2π n/√(1-ζ²), n = 1 … 6.
@@ -81,7 +95,11 @@ fn free_vibration() {
         // 2 ζ ∫ x'² dt is the energy lost.
         let lost = 2.0 * zeta * record.integral(3).value;
         let left = record.value(2, 40.0);
-        assert!((lost + left - 0.5).abs() < tolerance, "{}", lost + left - 0.5);
+        assert!(
+            (lost + left - 0.5).abs() < tolerance,
+            "{}",
+            lost + left - 0.5
+        );
         // ∫ x dx = x²/2.
         let over = record.integral_over(0, 0);
         let exact_over = 0.5 * (record.value(0, 40.0).powi(2) - 1.0);
@@ -99,7 +117,11 @@ fn free_vibration() {
         let (mut a, mut b) = (last, last + 1e-3);
         for _ in 0..60 {
             let middle = 0.5 * (a + b);
-            if exact(middle).abs() > 0.1 { a = middle } else { b = middle }
+            if exact(middle).abs() > 0.1 {
+                a = middle;
+            } else {
+                b = middle;
+            }
         }
         assert!((settled - a).abs() < 1e-6, "{settled} {a}");
         assert_eq!(record.settling(0, 0.0, 1e-9), None);
@@ -112,8 +134,19 @@ fn forced_vibration() {
     // At rest at the start: x = (cos w t - cos t)/(1 - w²) without damping.
     let w: f64 = 1.3;
     let exact = |t: f64| ((w * t).cos() - t.cos()) / (1.0 - w * w);
-    let mut system = Linear { zeta: 0.0, force: 1.0, frequency: w };
-    let trajectory = simulate(&mut system, &[0.0, 0.0], (0.0, 30.0), &[], &tight(Method::Automatic)).unwrap();
+    let mut system = Linear {
+        zeta: 0.0,
+        force: 1.0,
+        frequency: w,
+    };
+    let trajectory = simulate(
+        &mut system,
+        &[0.0, 0.0],
+        (0.0, 30.0),
+        &[],
+        &tight(Method::Automatic),
+    )
+    .unwrap();
     assert_eq!(trajectory.statistics().schemes, [Scheme::Tsit45]);
     for i in 0..300 {
         let t = 0.1 * f64::from(i);
@@ -124,15 +157,29 @@ fn forced_vibration() {
 #[test]
 fn windows_and_conditions() {
     // x = cos t over two periods, exactly propagated.
-    let mut system = Linear { zeta: 0.0, force: 0.0, frequency: 0.0 };
-    let trajectory = simulate(&mut system, &[1.0, 0.0], (0.0, 2.0 * TAU), &[], &Settings::default()).unwrap();
+    let mut system = Linear {
+        zeta: 0.0,
+        force: 0.0,
+        frequency: 0.0,
+    };
+    let trajectory = simulate(
+        &mut system,
+        &[1.0, 0.0],
+        (0.0, 2.0 * TAU),
+        &[],
+        &Settings::default(),
+    )
+    .unwrap();
     let mut record = Record::new(&trajectory, &mut system);
     let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-11, "{a} {b}");
     assert_eq!(record.window(), (0.0, 2.0 * TAU));
     close(record.rms(0), 0.5_f64.sqrt());
     close(record.mean(0), 0.0);
     close(record.first(Condition::below(0, 0.5)).unwrap(), PI / 3.0);
-    close(record.last(Condition::below(0, 0.5)).unwrap(), 2.0 * TAU - PI / 3.0);
+    close(
+        record.last(Condition::below(0, 0.5)).unwrap(),
+        2.0 * TAU - PI / 3.0,
+    );
     close(record.duration(Condition::above(0, 0.5)), 4.0 * PI / 3.0);
     assert_eq!(record.first(Condition::above(0, 1.5)), None);
     assert_eq!(record.first(Condition::above(0, 0.9)), Some(0.0));
@@ -162,20 +209,35 @@ fn windows_and_conditions() {
 #[test]
 fn energy_is_conserved() {
     // Exact propagation over 1000 periods: 6e3 radians times rounding.
-    let mut system = Linear { zeta: 0.0, force: 0.0, frequency: 0.0 };
-    let trajectory = simulate(&mut system, &[1.0, 0.0], (0.0, 1000.0 * TAU), &[], &Settings::default()).unwrap();
+    let mut system = Linear {
+        zeta: 0.0,
+        force: 0.0,
+        frequency: 0.0,
+    };
+    let trajectory = simulate(
+        &mut system,
+        &[1.0, 0.0],
+        (0.0, 1000.0 * TAU),
+        &[],
+        &Settings::default(),
+    )
+    .unwrap();
     let x = trajectory.end_state();
     assert!((x[0] - 1.0).abs() < 1e-11 && x[1].abs() < 1e-10, "{x:?}");
 
     // A pendulum of large amplitude: its period is 4 K(sin θ/2) = 8.349842… for θ = 2 (arithmetic-geometric mean).
     struct Pendulum;
     impl Dynamics for Pendulum {
-        fn states(&self) -> usize { 2 }
+        fn states(&self) -> usize {
+            2
+        }
         fn rates(&mut self, _t: f64, x: &[f64], rates: &mut [f64]) {
             rates[0] = x[1];
             rates[1] = -x[0].sin();
         }
-        fn signals(&self) -> usize { 2 }
+        fn signals(&self) -> usize {
+            2
+        }
         fn watch(&mut self, _t: f64, x: &[f64], s: &mut [f64]) {
             s[0] = 0.5 * x[1] * x[1] - x[0].cos();
             s[1] = x[1];
@@ -186,9 +248,22 @@ fn energy_is_conserved() {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
     }
     let period = TAU / a;
-    let event = Event::on(1, Direction::Falling).armed(Condition::above(1, 0.0)).ending();
-    let trajectory = simulate(&mut Pendulum, &[2.0, 0.0], (0.0, 100.0), &[event], &tight(Method::Automatic)).unwrap();
-    assert!((trajectory.to() - period).abs() < 1e-9, "{} {period}", trajectory.to());
+    let event = Event::on(1, Direction::Falling)
+        .armed(Condition::above(1, 0.0))
+        .ending();
+    let trajectory = simulate(
+        &mut Pendulum,
+        &[2.0, 0.0],
+        (0.0, 100.0),
+        &[event],
+        &tight(Method::Automatic),
+    )
+    .unwrap();
+    assert!(
+        (trajectory.to() - period).abs() < 1e-9,
+        "{} {period}",
+        trajectory.to()
+    );
     let mut system = Pendulum;
     let mut record = Record::new(&trajectory, &mut system);
     let (low, high) = (record.minimum(0).value, record.maximum(0).value);
@@ -224,13 +299,27 @@ impl Dynamics for VanDerPol {
 
 #[test]
 fn van_der_pol() {
-    for (mu, period) in [(1.0, 6.663_286_859_3), (5.0, 11.612_230_667_7), (10.0, 19.078_369_566_9)] {
+    for (mu, period) in [
+        (1.0, 6.663_286_859_3),
+        (5.0, 11.612_230_667_7),
+        (10.0, 19.078_369_566_9),
+    ] {
         let peak = Event::on(1, Direction::Falling);
-        let trajectory = simulate(&mut VanDerPol(mu), &[2.0, 0.0], (0.0, 20.0 * period), &[peak], &tight(Method::Automatic)).unwrap();
+        let trajectory = simulate(
+            &mut VanDerPol(mu),
+            &[2.0, 0.0],
+            (0.0, 20.0 * period),
+            &[peak],
+            &tight(Method::Automatic),
+        )
+        .unwrap();
         let times: Vec<f64> = trajectory.times_of(0).collect();
         // Eight periods after the transient has died out; a relative 1e-11 a step leaves 3e-10 at the strongest relaxation.
         let found = (times[18] - times[10]) / 8.0;
-        assert!((found / period - 1.0).abs() < 5e-10, "{mu}: {found} {period}");
+        assert!(
+            (found / period - 1.0).abs() < 5e-10,
+            "{mu}: {found} {period}"
+        );
         if mu == 1.0 {
             let mut system = VanDerPol(mu);
             let mut record = Record::new(&trajectory, &mut system);
@@ -245,21 +334,48 @@ fn van_der_pol() {
 fn stiffness_is_noticed() {
     // At the start already.
     let event = Event::on(0, Direction::Falling).ending();
-    let trajectory = simulate(&mut VanDerPol(1000.0), &[2.0, 0.0], (0.0, 2000.0), &[event], &Settings::default()).unwrap();
+    let trajectory = simulate(
+        &mut VanDerPol(1000.0),
+        &[2.0, 0.0],
+        (0.0, 2000.0),
+        &[event],
+        &Settings::default(),
+    )
+    .unwrap();
     assert_eq!(trajectory.statistics().schemes, [Scheme::Bdf]);
     // Three codes of SciPy give 807.08434 to 807.08474.
-    assert!((trajectory.to() - 807.0845).abs() < 4e-4, "{}", trajectory.to());
+    assert!(
+        (trajectory.to() - 807.0845).abs() < 4e-4,
+        "{}",
+        trajectory.to()
+    );
     // On the way: from near the unstable equilibrium.
-    let trajectory = simulate(&mut VanDerPol(100.0), &[1e-3, 0.0], (0.0, 300.0), &[], &Settings::default()).unwrap();
-    assert_eq!(trajectory.statistics().schemes, [Scheme::Tsit45, Scheme::Bdf]);
-    assert!(trajectory.statistics().steps < 8000, "{:?}", trajectory.statistics());
+    let trajectory = simulate(
+        &mut VanDerPol(100.0),
+        &[1e-3, 0.0],
+        (0.0, 300.0),
+        &[],
+        &Settings::default(),
+    )
+    .unwrap();
+    assert_eq!(
+        trajectory.statistics().schemes,
+        [Scheme::Tsit45, Scheme::Bdf]
+    );
+    assert!(
+        trajectory.statistics().steps < 8000,
+        "{:?}",
+        trajectory.statistics()
+    );
 }
 
 #[test]
 fn robertson() {
     struct Robertson;
     impl Dynamics for Robertson {
-        fn states(&self) -> usize { 3 }
+        fn states(&self) -> usize {
+            3
+        }
         fn rates(&mut self, _t: f64, y: &[f64], rates: &mut [f64]) {
             rates[0] = -0.04 * y[0] + 1e4 * y[1] * y[2];
             rates[2] = 3e7 * y[1] * y[1];
@@ -267,9 +383,12 @@ fn robertson() {
         }
     }
     // The Jacobian is the provided one, by differences.
-    let mut settings = Settings::default();
-    settings.absolute = Absolute::Each(vec![1e-12, 1e-16, 1e-12]);
-    let trajectory = simulate(&mut Robertson, &[1.0, 0.0, 0.0], (0.0, 1e5), &[], &settings).unwrap();
+    let settings = Settings {
+        absolute: Absolute::Each(vec![1e-12, 1e-16, 1e-12]),
+        ..Settings::default()
+    };
+    let trajectory =
+        simulate(&mut Robertson, &[1.0, 0.0, 0.0], (0.0, 1e5), &[], &settings).unwrap();
     // Nothing is stiff before y_2 has grown.
     assert_eq!(trajectory.statistics().schemes.last(), Some(&Scheme::Bdf));
     let y = trajectory.end_state();
@@ -283,7 +402,9 @@ fn stiff_and_exact() {
     // x' = -1e6 (x - y), y' = -y: the ladder climbs over six decades; the slow part is resolved with few steps.
     struct Fast;
     impl Dynamics for Fast {
-        fn states(&self) -> usize { 2 }
+        fn states(&self) -> usize {
+            2
+        }
         fn rates(&mut self, _t: f64, x: &[f64], rates: &mut [f64]) {
             rates[0] = -1e6 * (x[0] - x[1]);
             rates[1] = -x[1];
@@ -294,13 +415,24 @@ fn stiff_and_exact() {
             true
         }
     }
-    let trajectory = simulate(&mut Fast, &[0.0, 1.0], (0.0, 5.0), &[], &Settings::default()).unwrap();
+    let trajectory = simulate(
+        &mut Fast,
+        &[0.0, 1.0],
+        (0.0, 5.0),
+        &[],
+        &Settings::default(),
+    )
+    .unwrap();
     let exact = |t: f64| ((-t).exp() - (-1e6 * t).exp()) / (1.0 - 1e-6);
     for t in [1e-8, 1e-7, 1e-6, 1e-5, 1e-3, 0.1, 1.0, 5.0] {
         let x = trajectory.state(t)[0];
         assert!((x - exact(t)).abs() < 1e-10, "{t}: {x} {}", exact(t));
     }
-    assert!(trajectory.statistics().steps < 60, "{:?}", trajectory.statistics());
+    assert!(
+        trajectory.statistics().steps < 60,
+        "{:?}",
+        trajectory.statistics()
+    );
 }
 
 #[test]
@@ -308,13 +440,19 @@ fn constant_force() {
     // Free fall: the matrix is nilpotent, ‖A‖ says nothing of the scale; x = v t - g t²/2.
     struct Fall;
     impl Dynamics for Fall {
-        fn states(&self) -> usize { 2 }
+        fn states(&self) -> usize {
+            2
+        }
         fn rates(&mut self, _t: f64, x: &[f64], rates: &mut [f64]) {
             rates[0] = x[1];
             rates[1] = -9.81;
         }
-        fn signals(&self) -> usize { 1 }
-        fn watch(&mut self, _t: f64, x: &[f64], s: &mut [f64]) { s[0] = x[0]; }
+        fn signals(&self) -> usize {
+            1
+        }
+        fn watch(&mut self, _t: f64, x: &[f64], s: &mut [f64]) {
+            s[0] = x[0];
+        }
         fn affine(&mut self, _t: f64, _x: &[f64], a: &mut [f64], b: &mut [f64]) -> bool {
             a.copy_from_slice(&[0.0, 1.0, 0.0, 0.0]);
             b.copy_from_slice(&[0.0, -9.81]);
@@ -322,7 +460,14 @@ fn constant_force() {
         }
     }
     let event = Event::on(0, Direction::Falling).ending();
-    let trajectory = simulate(&mut Fall, &[0.0, 3.0], (0.0, 100.0), &[event], &Settings::default()).unwrap();
+    let trajectory = simulate(
+        &mut Fall,
+        &[0.0, 3.0],
+        (0.0, 100.0),
+        &[event],
+        &Settings::default(),
+    )
+    .unwrap();
     assert!((trajectory.to() - 6.0 / 9.81).abs() < 1e-13);
     let mut system = Fall;
     let mut record = Record::new(&trajectory, &mut system);

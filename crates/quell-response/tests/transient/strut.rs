@@ -1,35 +1,38 @@
 //! Two masses with a strut between them on a tyre, touching down: the struts of Y. Li's thesis (chapter 4; Li, Jiang, Neild and
 //! Wang, Journal of Aircraft 54(5), 2017), written by hand as `Dynamics`. Units ft, lbf, s, slug as printed there.
 
-#![allow(dead_code, reason = "shared by tests and a benchmark, each of which uses a part")]
+#![allow(
+    dead_code,
+    reason = "shared by tests and a benchmark, each of which uses a part"
+)]
 
 use quell_response::transient::Dynamics;
 
-pub const G: f64 = 32.18;
-pub const W1: f64 = 2411.0;
-pub const W2: f64 = 131.0;
-pub const KT: f64 = 18500.0;
-pub const V0: f64 = 8.86;
+pub(crate) const G: f64 = 32.18;
+pub(crate) const W1: f64 = 2411.0;
+pub(crate) const W2: f64 = 131.0;
+pub(crate) const KT: f64 = 18500.0;
+pub(crate) const V0: f64 = 8.86;
 
-pub fn cosine() -> f64 {
+pub(crate) fn cosine() -> f64 {
     12f64.to_radians().cos()
 }
 
-pub const STROKE: usize = 0;
-pub const RATE: usize = 1;
-pub const FORCE: usize = 2;
-pub const UPPER: usize = 3;
-pub const KINETIC: usize = 4;
-pub const TYRE: usize = 5;
-pub const STORED: usize = 6;
-pub const DISSIPATED: usize = 7;
-pub const WEIGHT: usize = 8;
-pub const INERTER: usize = 9;
-pub const SIGNALS: usize = 10;
+pub(crate) const STROKE: usize = 0;
+pub(crate) const RATE: usize = 1;
+pub(crate) const FORCE: usize = 2;
+pub(crate) const UPPER: usize = 3;
+pub(crate) const KINETIC: usize = 4;
+pub(crate) const TYRE: usize = 5;
+pub(crate) const STORED: usize = 6;
+pub(crate) const DISSIPATED: usize = 7;
+pub(crate) const WEIGHT: usize = 8;
+pub(crate) const INERTER: usize = 9;
+pub(crate) const SIGNALS: usize = 10;
 
 /// What stands beside the spring.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Layout {
+pub(crate) enum Layout {
     /// ks | c | b (b may be zero).
     Parallel { c: f64, b: f64 },
     /// ks | (b + c): state u, speed of the inerter.
@@ -39,15 +42,15 @@ pub enum Layout {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Linear {
-    pub layout: Layout,
+pub(crate) struct Linear {
+    pub(crate) layout: Layout,
     /// Slopes of the spring below and above `knee`.
-    pub ks: [f64; 2],
-    pub knee: f64,
+    pub(crate) ks: [f64; 2],
+    pub(crate) knee: f64,
 }
 
 impl Linear {
-    pub fn new(layout: Layout, ks: f64) -> Self {
+    pub(crate) fn new(layout: Layout, ks: f64) -> Self {
         Self {
             layout,
             ks: [ks, ks],
@@ -55,7 +58,7 @@ impl Linear {
         }
     }
 
-    pub fn double(layout: Layout, ks1: f64, knee: f64) -> Self {
+    pub(crate) fn double(layout: Layout, ks1: f64, knee: f64) -> Self {
         let (sst, fst) = (0.504_660, 2464.86);
         Self {
             layout,
@@ -64,7 +67,7 @@ impl Linear {
         }
     }
 
-    pub fn start(&self) -> Vec<f64> {
+    pub(crate) fn start(&self) -> Vec<f64> {
         let mut x = vec![0.0, 0.0, V0, V0];
         if !matches!(self.layout, Layout::Parallel { .. }) {
             x.push(0.0);
@@ -207,10 +210,10 @@ impl Dynamics for Linear {
 
 /// The strut that is there: gas spring and orifice.
 #[derive(Debug, Clone, Copy)]
-pub struct Default;
+pub(crate) struct Default;
 
 impl Default {
-    pub fn start() -> Vec<f64> {
+    pub(crate) fn start() -> Vec<f64> {
         vec![0.0, 0.0, V0, V0]
     }
 
