@@ -10,8 +10,8 @@ use quell_expression::{Dimension, Scope, Span};
 use quell_model::DevicePart;
 use quell_model::system::{Device as SystemDevice, ForceLaw, LawParameter};
 use quell_network::{
-    Branch, ComponentError, Domain, Element, Expansion, ExpansionWorkspace, Kind, Layout, Mechanism,
-    expand,
+    Branch, ComponentError, Domain, Element, Expansion, ExpansionWorkspace, Kind, Layout,
+    Mechanism, expand,
 };
 use quell_response::{Assembly, Attached};
 use quell_search::{Scale, Variable};
@@ -203,18 +203,22 @@ impl Built {
                 else {
                     continue;
                 };
-                let own = self.laws.iter().zip(&scratch.laws).filter_map(|(known, value)| {
-                    let name = known
-                        .name
-                        .strip_prefix(branch)
-                        .and_then(|rest| rest.strip_prefix('.'))
-                        .filter(|_| known.attachment == index)?;
-                    Some(LawParameter {
-                        name: name.to_owned(),
-                        dimension: known.dimension,
-                        value: *value,
-                    })
-                });
+                let own = self
+                    .laws
+                    .iter()
+                    .zip(&scratch.laws)
+                    .filter_map(|(known, value)| {
+                        let name = known
+                            .name
+                            .strip_prefix(branch)
+                            .and_then(|rest| rest.strip_prefix('.'))
+                            .filter(|_| known.attachment == index)?;
+                        Some(LawParameter {
+                            name: name.to_owned(),
+                            dimension: known.dimension,
+                            value: *value,
+                        })
+                    });
                 let lowered = ForceLaw::lower(
                     host,
                     &law.force,
@@ -253,9 +257,7 @@ impl Built {
                 Origin::Searched(index) => point.get(*index).copied().unwrap_or(f64::NAN),
                 Origin::Given(value) => *value,
             }));
-        scratch
-            .mechanical
-            .resize(self.element_count(), f64::NAN);
+        scratch.mechanical.resize(self.element_count(), f64::NAN);
         scratch.laws.clear();
         scratch
             .laws
@@ -415,19 +417,18 @@ impl Built {
                 attachment
                     .expansion
                     .own_values(variables, &mut scratch.workspace, &mut own);
-                let elements =
-                    network
-                        .elements()
-                        .iter()
-                        .zip(own)
-                        .filter(|(element, _)| !attachment.is_custom(&element.name))
-                        .map(|(element, value)| NamedValue {
-                            name: element.name.clone(),
-                            value,
-                            unit: element.domain.unit(element.element).to_owned(),
-                            bounds: None,
-                            logarithmic: false,
-                        });
+                let elements = network
+                    .elements()
+                    .iter()
+                    .zip(own)
+                    .filter(|(element, _)| !attachment.is_custom(&element.name))
+                    .map(|(element, value)| NamedValue {
+                        name: element.name.clone(),
+                        value,
+                        unit: element.domain.unit(element.element).to_owned(),
+                        bounds: None,
+                        logarithmic: false,
+                    });
                 let origins = self.origins.iter().skip(attachment.variables.start);
                 let named = attachment
                     .expansion
@@ -495,10 +496,12 @@ struct Builder<'a> {
 impl Attachment {
     /// Names of its nonlinear elements with their laws.
     fn customs(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.layout.branches().filter_map(|branch| match &branch.kind {
-            Kind::Custom(custom) => Some((branch.name.as_str(), custom.law.as_str())),
-            _ => None,
-        })
+        self.layout
+            .branches()
+            .filter_map(|branch| match &branch.kind {
+                Kind::Custom(custom) => Some((branch.name.as_str(), custom.law.as_str())),
+                _ => None,
+            })
     }
 
     fn is_custom(&self, name: &str) -> bool {

@@ -269,8 +269,7 @@ fn split(
         }
         Node::Derivative { .. } if context.varies(expression) => return Err(varies()),
         Node::Call { function, .. }
-            if matches!(function.as_str(), "force" | "stroke")
-                && context.varies(expression) =>
+            if matches!(function.as_str(), "force" | "stroke") && context.varies(expression) =>
         {
             return Err(varies());
         }

@@ -234,7 +234,7 @@ impl Evaluator {
                 elements: &first_elements,
                 law: &|device, name| built.law_place(device, name),
             };
-            let plan = TransientPlan::new(study, situation, run, watching, ledger, &places)?;
+            let plan = TransientPlan::new(study, situation, run, &watching, ledger, &places)?;
             evaluator.transients.push((name.clone(), plan));
         }
         Ok(evaluator)
@@ -425,9 +425,10 @@ impl Evaluator {
     pub(crate) fn histories(&self, values: &ValueScratch, only: Option<&str>) -> Vec<History> {
         let mut histories = Vec::new();
         for (name, mut simulated) in self.simulate(values) {
-            let chosen = self.programs.iter().filter(|program| {
-                only.is_none_or(|only| program.name == only)
-            });
+            let chosen = self
+                .programs
+                .iter()
+                .filter(|program| only.is_none_or(|only| program.name == only));
             let read: Vec<&Observation> = chosen
                 .flat_map(|program| &program.readings)
                 .filter_map(|index| self.readings.get(*index))
@@ -463,7 +464,7 @@ impl Evaluator {
                 let squared = if reading.band.is_none() && reading.spectrum.is_none() {
                     h2_fast(assembly, values, reading.input, form).unwrap_or(f64::NAN)
                 } else {
-                    self.norm_squared(reading, form, *norm, values, assembly)
+                    Self::norm_squared(reading, form, *norm, values, assembly)
                         .map_or(f64::NAN, |norm| norm.squared)
                 };
                 rooted(*norm, squared)
@@ -476,7 +477,6 @@ impl Evaluator {
     }
 
     fn norm_squared(
-        &self,
         reading: &Reading,
         form: &LinearForm,
         norm: Norm,
@@ -678,22 +678,24 @@ impl Evaluator {
                     Err(error) => Known::failed(error.to_string()),
                 }
             }
-            Functional::Norm(form, norm) => match self.norm_squared(reading, form, *norm, values, assembly) {
-                Ok(found) => {
-                    let relative = found.error_estimate / found.squared;
-                    let share = if *norm == Norm::Variance { 1.0 } else { 0.5 };
-                    (
-                        rooted(*norm, found.squared),
-                        Known {
-                            omega: None,
-                            time: None,
-                            tolerance: Some(share * relative),
-                            status: "computed".to_owned(),
-                        },
-                    )
+            Functional::Norm(form, norm) => {
+                match Self::norm_squared(reading, form, *norm, values, assembly) {
+                    Ok(found) => {
+                        let relative = found.error_estimate / found.squared;
+                        let share = if *norm == Norm::Variance { 1.0 } else { 0.5 };
+                        (
+                            rooted(*norm, found.squared),
+                            Known {
+                                omega: None,
+                                time: None,
+                                tolerance: Some(share * relative),
+                                status: "computed".to_owned(),
+                            },
+                        )
+                    }
+                    Err(error) => Known::failed(error.to_string()),
                 }
-                Err(error) => Known::failed(error.to_string()),
-            },
+            }
             Functional::Modes(statistic, modal) => {
                 match modal_value(assembly, values, *statistic, *modal, reading.oscillatory) {
                     Ok(value) => (
@@ -762,7 +764,11 @@ impl Evaluator {
 }
 
 /// The dimension of output over input of the norm in a criterion.
-fn form_dimension(form: &LinearForm, criterion: &Criterion, context: &Context<'_, '_>) -> Dimension {
+fn form_dimension(
+    form: &LinearForm,
+    criterion: &Criterion,
+    context: &Context<'_, '_>,
+) -> Dimension {
     let mut found = Dimension::NONE;
     criterion.value.walk(&mut |part| {
         if let quell_expression::Node::Call { arguments, .. } = &part.node

@@ -110,7 +110,10 @@ impl Curves {
             peak: None,
         };
         // Several runs may look at one signal, each by itself.
-        let key = format!("{}: {} over {:?}", history.run, history.quantity, history.over);
+        let key = format!(
+            "{}: {} over {:?}",
+            history.run, history.quantity, history.over
+        );
         match self.plots.iter_mut().find(|(known, _)| *known == key) {
             Some((_, plot)) => plot.series.push(series),
             None => self.plots.push((

@@ -106,7 +106,13 @@ impl DesignProblem {
                 .iter()
                 .map(|constraint| constraint.criterion.as_str()),
         );
-        let evaluator = Evaluator::new(study, situation, Arc::new(built), Some(&names), &indexmap::IndexMap::new())?;
+        let evaluator = Evaluator::new(
+            study,
+            situation,
+            Arc::new(built),
+            Some(&names),
+            &indexmap::IndexMap::new(),
+        )?;
         let objective = Goal {
             criterion: index(&evaluator, &design.objective)?,
             sense: design.sense,

@@ -119,5 +119,12 @@ fn compiles(
     criterion: &str,
 ) -> Result<(), Fault> {
     let built = Built::new(study, situation, candidate, Values::searched(design))?;
-    Evaluator::new(study, situation, Arc::new(built), Some(&[criterion]), &indexmap::IndexMap::new()).map(drop)
+    Evaluator::new(
+        study,
+        situation,
+        Arc::new(built),
+        Some(&[criterion]),
+        &indexmap::IndexMap::new(),
+    )
+    .map(drop)
 }

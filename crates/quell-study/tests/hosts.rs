@@ -86,5 +86,9 @@ fn double_pendulum() {
     let found = criteria("double-pendulum.toml");
     let omega = ((2.0 - 2.0_f64.sqrt()) * 9.81).sqrt();
     near(found[0]["period"], std::f64::consts::TAU / omega, 1e-6);
-    assert!(found[1]["energy_drift"] < 1e-6, "{}", found[1]["energy_drift"]);
+    assert!(
+        found[1]["energy_drift"] < 1e-6,
+        "{}",
+        found[1]["energy_drift"]
+    );
 }

@@ -9,10 +9,18 @@ use crate::page::{Configuration, EnergyBars};
 const KINDS: [(&str, &str, &str); 6] = [
     ("motion", "left in motion", "var(--baseline, #7a828a)"),
     ("potential", "in springs", "var(--design-1, #0072b2)"),
-    ("kinetic", "in inerters and masses of devices", "var(--design-3, #009e73)"),
+    (
+        "kinetic",
+        "in inerters and masses of devices",
+        "var(--design-3, #009e73)",
+    ),
     ("dissipated", "dissipated", "var(--design-2, #d55e00)"),
     ("other", "other", "var(--design-4, #b0578d)"),
-    ("host", "taken by the host's own forces", "var(--grid, #c9ced3)"),
+    (
+        "host",
+        "taken by the host's own forces",
+        "var(--grid, #c9ced3)",
+    ),
 ];
 
 /// The energy sections of a task: one for each run in time.

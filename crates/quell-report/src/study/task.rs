@@ -4,17 +4,15 @@ use std::fmt::Write as _;
 
 use quell_study::study::{DesignTask, TaskKind as Asked};
 use quell_study::{
-    Over,
-    Design, DesignFindings, Evaluated, Findings, NamedValue, PointOutcome, Role, RunOutcome, Sense,
-    TaskOutcome,
+    Design, DesignFindings, Evaluated, Findings, NamedValue, Over, PointOutcome, Role, RunOutcome,
+    Sense, TaskOutcome,
 };
 
 use super::{Bridge, shown_unit};
 use crate::number::{compact, significant, unit};
 use crate::page::{
-    EnergyBars, EnergyPart,
-    self, Configuration, CriterionColumn, CriterionValue, Parameter, Quantity, ReferenceRow,
-    SweepPoint, TaskKind, TaskSection,
+    self, Configuration, CriterionColumn, CriterionValue, EnergyBars, EnergyPart, Parameter,
+    Quantity, ReferenceRow, SweepPoint, TaskKind, TaskSection,
 };
 use crate::plot::{self, Axis, Plot, Series};
 
@@ -442,7 +440,14 @@ fn response(plot: &quell_study::Plot) -> Plot {
         Over::Signal(name, _) => name.clone(),
     };
     let caption = match (references, series.len() - references) {
-        _ if evaluated => format!("{} over {over}", if plot.over == Over::Frequency { "Response" } else { plot.quantity.as_str() }),
+        _ if evaluated => format!(
+            "{} over {over}",
+            if plot.over == Over::Frequency {
+                "Response"
+            } else {
+                plot.quantity.as_str()
+            }
+        ),
         (0, _) => "Responses of the best designs".to_owned(),
         (_, 1) => "Response of the design over the references".to_owned(),
         _ => "Responses of the best designs over the references".to_owned(),

@@ -138,7 +138,9 @@ pub(super) fn laws(
                 span,
                 format!("the force of `{name}` depends neither on `x` nor on `v`"),
             )
-            .help("`x` is the element's relative displacement, `v` its rate: `force = \"k3*x^3\"`"));
+            .help(
+                "`x` is the element's relative displacement, `v` its rate: `force = \"k3*x^3\"`",
+            ));
         }
         let flag = |key: &str| entry.get(key).map(|value| value.as_bool()).transpose();
         let law = ForceLawSpec {
@@ -198,7 +200,9 @@ pub(super) fn declared(
             let element = match entry
                 .require("kind")
                 .map_err(|fault| {
-                    fault.help("say what it is, `kind = \"spring\"`, or its force, `force = \"k*x^3\"`")
+                    fault.help(
+                        "say what it is, `kind = \"spring\"`, or its force, `force = \"k*x^3\"`",
+                    )
                 })?
                 .one_of(&["spring", "damper", "inerter", "mass"])?
             {

@@ -277,7 +277,9 @@ fn runs(
         check_name(name, span, &table)?;
         let entry = named_tables(&value, "runs")?;
         entry.check(&keys::RUN)?;
-        let kind = entry.require("kind")?.one_of(&["frequency", "modes", "transient"])?;
+        let kind = entry
+            .require("kind")?
+            .one_of(&["frequency", "modes", "transient"])?;
         let own: &[&str] = match kind {
             "modes" => &["modes"],
             "transient" => &transient::KEYS,

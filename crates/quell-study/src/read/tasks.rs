@@ -13,8 +13,8 @@ use crate::amount::Amount;
 use crate::built::domain_of;
 use crate::keys;
 use crate::study::{
-    Bounds, CandidateSet, ConfigurationSpec, Constraint, DesignTask, Run, Sense, Slot, Study, SweepAxis,
-    SweepRange, SweepValues, Task, TaskKind,
+    Bounds, CandidateSet, ConfigurationSpec, Constraint, DesignTask, Run, Sense, Slot, Study,
+    SweepAxis, SweepRange, SweepValues, Task, TaskKind,
 };
 
 /// A search gives up on nothing, but a list of more layouts than this would not end within a working day.
@@ -250,8 +250,10 @@ fn override_run(
 ) -> Result<(), Fault> {
     let fault = |message: String| Fault::at(&study.source, span, message);
     let Some((name, key)) = path.split_once('.') else {
-        return Err(fault(format!("`runs.{path}` does not say which key of the run"))
-            .help("write `\"runs.RUN.KEY\"`"));
+        return Err(
+            fault(format!("`runs.{path}` does not say which key of the run"))
+                .help("write `\"runs.RUN.KEY\"`"),
+        );
     };
     let Some(base) = runs.get(name).or_else(|| study.runs.get(name)) else {
         return Err(unknown(

@@ -11,7 +11,13 @@ use crate::study::{EndEvent, Integration, PhaseSpec, Run, StartAt, TransientRun}
 
 /// The keys of a run in time, in which configurations may differ.
 pub(super) const KEYS: [&str; 7] = [
-    "duration", "end", "continue", "start", "phases", "tolerance", "method",
+    "duration",
+    "end",
+    "continue",
+    "start",
+    "phases",
+    "tolerance",
+    "method",
 ];
 
 /// Reads a run of kind `transient`.
@@ -65,9 +71,9 @@ pub(super) fn set(
             }
         }
         "phases" => {
-            let list = value
-                .as_array()
-                .map_err(|fault| fault.help("write a list: `[{ hold = \"x\", until = \"…\" }, {}]`"))?;
+            let list = value.as_array().map_err(|fault| {
+                fault.help("write a list: `[{ hold = \"x\", until = \"…\" }, {}]`")
+            })?;
             run.phases = list.iter().map(phase).collect::<Result<_, _>>()?;
             let count = run.phases.len();
             for (index, (phase, value)) in run.phases.iter().zip(&list).enumerate() {
@@ -88,17 +94,13 @@ pub(super) fn set(
             run.tolerance = tolerance;
         }
         _ => {
-            run.method = match value.one_of(&[
-                "automatic",
-                "explicit",
-                "stiff",
-                "stiff oscillating",
-            ])? {
-                "explicit" => Integration::Explicit,
-                "stiff" => Integration::Stiff,
-                "stiff oscillating" => Integration::StiffOscillating,
-                _ => Integration::Automatic,
-            }
+            run.method =
+                match value.one_of(&["automatic", "explicit", "stiff", "stiff oscillating"])? {
+                    "explicit" => Integration::Explicit,
+                    "stiff" => Integration::Stiff,
+                    "stiff oscillating" => Integration::StiffOscillating,
+                    _ => Integration::Automatic,
+                }
         }
     }
     Ok(())

@@ -55,10 +55,7 @@ pub(crate) fn observe(
         }
         ("crossing", [argument, count]) => {
             let (signal, _) = of(argument)?;
-            (
-                Observation::Crossing(signal, counted(count, scope)?),
-                time,
-            )
+            (Observation::Crossing(signal, counted(count, scope)?), time)
         }
         ("peak" | "trough", [argument, count]) => {
             let (signal, dimension) = of(argument)?;
@@ -122,28 +119,41 @@ pub(crate) fn observe(
             )
         }
         ("potential" | "kinetic" | "dissipated" | "stored", _) => {
-            let (signals, dimension) = watching.energy(function, arguments, |device, element| {
-                let fate = Fate::of(study, device, element);
-                match function.as_str() {
-                    "potential" => fate == Fate::Potential,
-                    "kinetic" => fate == Fate::Kinetic,
-                    "dissipated" => fate == Fate::Dissipated,
-                    _ => matches!(fate, Fate::Potential | Fate::Kinetic),
-                }
-            })?;
+            let (signals, dimension) =
+                watching.energy(function, arguments, |device, element| {
+                    let fate = Fate::of(study, device, element);
+                    match function.as_str() {
+                        "potential" => fate == Fate::Potential,
+                        "kinetic" => fate == Fate::Kinetic,
+                        "dissipated" => fate == Fate::Dissipated,
+                        _ => matches!(fate, Fate::Potential | Fate::Kinetic),
+                    }
+                })?;
             (Observation::Energy(signals), dimension)
         }
         (name @ ("peak" | "trough" | "crossing"), _) => {
-            return Err(arguments_wrong(expression, name, "a signal and a number, which one it is"));
+            return Err(arguments_wrong(
+                expression,
+                name,
+                "a signal and a number, which one it is",
+            ));
         }
         (name @ ("initial" | "final" | "mean"), _) => {
             return Err(arguments_wrong(expression, name, "one signal"));
         }
         ("at", _) => {
-            return Err(arguments_wrong(expression, "at", "a signal and a time: `at(s, 2 s)`"));
+            return Err(arguments_wrong(
+                expression,
+                "at",
+                "a signal and a time: `at(s, 2 s)`",
+            ));
         }
         ("integral", _) => {
-            return Err(arguments_wrong(expression, "integral", "one or two signals"));
+            return Err(arguments_wrong(
+                expression,
+                "integral",
+                "one or two signals",
+            ));
         }
         ("settling", _) => {
             return Err(arguments_wrong(

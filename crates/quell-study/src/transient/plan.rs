@@ -265,12 +265,12 @@ impl TransientPlan {
         study: &Study,
         situation: &Situation,
         run: &TransientRun,
-        watching: Watching<'_>,
+        watching: &Watching<'_>,
         ledger: bool,
         places: &ValuePlaces<'_>,
     ) -> Result<Self, Fault> {
         let located = |error: ExpressionError| Fault::from_expression(&study.source, error);
-        let ledger = ledger.then(|| LedgerSignals::of(study, &watching));
+        let ledger = ledger.then(|| LedgerSignals::of(study, watching));
         let mut end = Vec::new();
         if let Some(event) = &run.end {
             let (signal, _) = watching.signal(&event.event).map_err(located)?;
@@ -378,11 +378,12 @@ impl TransientPlan {
             trajectories: Vec::new(),
             failure: None,
         };
-        let (mut t, mut carried): (f64, Option<(Vec<String>, Vec<f64>)>) = (0.0, None);
+        let mut t = 0.0;
+        let mut carried: Option<Carried> = None;
         for (index, phase) in self.phases.iter().enumerate() {
             let mut moving = phase.system.prepare(&parameters);
             let mut x = moving.start(t);
-            if let Some((names, values)) = &carried {
+            if let Some(Carried { names, values }) = &carried {
                 for (state, target) in phase.system.states().iter().zip(&mut x) {
                     if let Some(place) = names.iter().position(|name| *name == state.name) {
                         *target = values.get(place).copied().unwrap_or(f64::NAN);
@@ -403,7 +404,7 @@ impl TransientPlan {
                 let mut signals = vec![0.0; phase.system.signals()];
                 moving.watch(t, &x, &mut signals);
                 if signals.get(margin).is_some_and(|margin| *margin > 0.0) {
-                    carried = Some((names(&phase.system), x));
+                    carried = Some(Carried::new(&phase.system, x));
                     continue;
                 }
             }
@@ -416,7 +417,7 @@ impl TransientPlan {
             match simulate(&mut moving, &x, span, &phase.events, &settings) {
                 Ok(trajectory) => {
                     t = trajectory.to();
-                    carried = Some((names(&phase.system), trajectory.end_state()));
+                    carried = Some(Carried::new(&phase.system, trajectory.end_state()));
                     let regular = match trajectory.end() {
                         End::Event { .. } => Ok(()),
                         End::Time if is_last && !self.needs_event => Ok(()),
@@ -448,12 +449,20 @@ impl TransientPlan {
     }
 }
 
-fn names(system: &System) -> Vec<String> {
-    system
-        .states()
-        .iter()
-        .map(|state| state.name.clone())
-        .collect()
+/// States that one phase hands to the next, by name.
+struct Carried {
+    names: Vec<String>,
+    values: Vec<f64>,
+}
+
+impl Carried {
+    fn new(system: &System, values: Vec<f64>) -> Self {
+        let names = system.states().iter().map(|state| state.name.clone());
+        Self {
+            names: names.collect(),
+            values,
+        }
+    }
 }
 
 fn in_words(end: &End, t: f64) -> String {
@@ -534,10 +543,7 @@ impl Simulated<'_> {
             return (f64::NAN, None);
         }
         if *observation == Observation::EnergyError {
-            return (
-                self.ledger().map_or(f64::NAN, |ledger| ledger.error),
-                None,
-            );
+            return (self.ledger().map_or(f64::NAN, |ledger| ledger.error), None);
         }
         let times = self.times();
         match self.record() {
