@@ -10,6 +10,7 @@
 //! Conventions: force F, relative displacement x, admittance Y(s) = F/(s x), dynamic stiffness D(s) = s Y(s) = F/x; SI
 //! units throughout; the time factor is e^(jωt).
 
+mod bridge;
 mod component;
 mod degree;
 mod element;
@@ -19,6 +20,7 @@ mod kind;
 mod layout;
 mod linear;
 mod mechanism;
+mod mesh;
 mod network;
 mod nodal;
 mod order;
@@ -28,6 +30,7 @@ mod positive_real;
 mod program;
 mod rational;
 mod rational_algebra;
+mod synthesis;
 mod transform;
 mod tree;
 
@@ -41,11 +44,17 @@ pub use gradient::PartShare;
 pub use kind::{Branch, CustomElement, Kind, KindError, Kinds};
 pub use layout::{Layout, LayoutError};
 pub use mechanism::{Law, Mechanism, MechanismElement};
+pub use mesh::{Mesh, MeshElement};
 pub use network::{Network, NetworkElement, NetworkError, Part};
 pub use nodal::{Nodal, NodalBranch, Node};
 pub use positive_real::{Nearest, NearestError, POSITIVE_REAL_TOLERANCE, Verdict, Violation};
 pub use program::{RatioGrid, Workspace};
 pub use rational::RationalFunction;
 pub use rational_algebra::{RationalError, Scales};
+pub use synthesis::{
+    Elements, Form, Joined, LeverSection, Matching, Method, Preamble, REALISATION_TOLERANCE,
+    Realisation, Smallest, Structure, SynthesisError, bott_duffin, brune, canonical,
+    foster_preamble, reduced_bott_duffin,
+};
 pub use transform::{Merged, TransformError};
 pub use tree::Tree;
