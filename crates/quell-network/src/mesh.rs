@@ -1,5 +1,6 @@
 //! Networks that are no tree of series and parallel groups: elements between the nodes of any graph.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::polynomial::{combined, lowest, product, scaled, size, trimmed};
@@ -224,7 +225,11 @@ fn reduced(mut edges: Vec<Edge>) -> Vec<Edge> {
     }
 }
 
-/// Sum over spanning trees of the product of N of the tree's edges and D of the others (deletion and contraction).
+/// Sum over spanning trees of the product of N of the tree's edges and D of the others.
+///
+/// Edges are taken one by one, in or out; what counts of the past is how the nodes that still have edges to come are joined,
+/// and sums are kept for each such partition. Nodes are finished in the order of fewest open edges, so that partitions
+/// stay small; every sum has positive terms.
 fn trees(mut edges: Vec<Edge>) -> Vec<f64> {
     // Loops are in no tree.
     let mut factor = vec![1.0];
@@ -234,39 +239,126 @@ fn trees(mut edges: Vec<Edge>) -> Vec<f64> {
         }
         a != b
     });
-    let Some((a, b, ratio)) = edges.pop() else {
-        return factor;
-    };
-    let contracted = edges
-        .iter()
-        .map(|(c, d, other)| {
-            let moved = |node: usize| if node == b { a } else { node };
-            (moved(*c), moved(*d), other.clone())
-        })
-        .collect();
-    let with = product(&ratio.0, &trees(contracted));
-    let total = if connected(&edges, a, b) {
-        combined(&with, &product(&ratio.1, &trees(edges)), 1.0)
-    } else {
-        with
-    };
-    product(&factor, &total)
-}
-
-fn connected(edges: &[Edge], from: usize, to: usize) -> bool {
-    let mut reached = vec![from];
-    let mut next = 0;
-    while let Some(node) = reached.get(next).copied() {
-        next += 1;
-        for (a, b, _) in edges {
-            for (here, there) in [(a, b), (b, a)] {
-                if *here == node && !reached.contains(there) {
-                    reached.push(*there);
+    // Of each partition the nodes with the number of their block, and the sum.
+    let mut states: States = BTreeMap::from([(Vec::new(), factor)]);
+    let mut open: Vec<usize> = Vec::new();
+    while !edges.is_empty() {
+        let count = |node: usize| {
+            edges
+                .iter()
+                .filter(|(a, b, _)| *a == node || *b == node)
+                .count()
+        };
+        let mut candidates = open.clone();
+        if candidates.is_empty() {
+            candidates.extend(edges.iter().flat_map(|(a, b, _)| [*a, *b]));
+        }
+        let Some(node) = candidates.into_iter().min_by_key(|node| count(*node)) else {
+            break;
+        };
+        let (taken, left): (Vec<Edge>, Vec<Edge>) = edges
+            .into_iter()
+            .partition(|(a, b, _)| *a == node || *b == node);
+        edges = left;
+        for (a, b, ratio) in taken {
+            for end in [a, b] {
+                if !open.contains(&end) {
+                    open.push(end);
+                    states = entered(states, end);
                 }
             }
+            states = decided(states, a, b, &ratio);
+        }
+        let done: Vec<usize> = open
+            .iter()
+            .copied()
+            .filter(|node| !edges.iter().any(|(a, b, _)| a == node || b == node))
+            .collect();
+        for node in done {
+            open.retain(|other| *other != node);
+            states = left_behind(states, node, open.is_empty());
         }
     }
-    reached.contains(&to)
+    states
+        .into_values()
+        .reduce(|a, b| combined(&a, &b, 1.0))
+        .unwrap_or_else(|| vec![0.0])
+}
+
+type States = BTreeMap<Vec<(usize, usize)>, Vec<f64>>;
+
+/// A node alone in its block.
+fn entered(states: States, node: usize) -> States {
+    states
+        .into_iter()
+        .map(|(mut state, sum)| {
+            let block = state.iter().map(|(_, block)| block + 1).max().unwrap_or(0);
+            state.push((node, block));
+            (numbered(state), sum)
+        })
+        .collect()
+}
+
+/// An edge in or out.
+fn decided(states: States, a: usize, b: usize, ratio: &Ratio) -> States {
+    let mut next = States::new();
+    let mut add = |state: Vec<(usize, usize)>, sum: Vec<f64>| {
+        let entry = next.entry(state).or_default();
+        *entry = combined(entry, &sum, 1.0);
+    };
+    for (state, sum) in states {
+        let block = |node: usize| {
+            state
+                .iter()
+                .find(|(other, _)| *other == node)
+                .map(|(_, block)| *block)
+        };
+        if let (Some(x), Some(y)) = (block(a), block(b))
+            && x != y
+        {
+            let joined = state
+                .iter()
+                .map(|(node, block)| (*node, if *block == x { y } else { *block }))
+                .collect();
+            add(numbered(joined), product(&sum, &ratio.0));
+        }
+        add(state, product(&sum, &ratio.1));
+    }
+    next
+}
+
+/// A node without edges to come; its block must have another such node, unless it is the last.
+fn left_behind(states: States, node: usize, last: bool) -> States {
+    let mut next = States::new();
+    for (mut state, sum) in states {
+        let block = state
+            .iter()
+            .find(|(other, _)| *other == node)
+            .map(|(_, block)| *block);
+        state.retain(|(other, _)| *other != node);
+        if last || state.iter().any(|(_, other)| Some(*other) == block) {
+            let entry = next.entry(numbered(state)).or_default();
+            *entry = combined(entry, &sum, 1.0);
+        }
+    }
+    next
+}
+
+/// Nodes in order, blocks numbered as they come.
+fn numbered(mut state: Vec<(usize, usize)>) -> Vec<(usize, usize)> {
+    state.sort_unstable();
+    let mut seen: Vec<usize> = Vec::new();
+    for (_, block) in &mut state {
+        let place = seen
+            .iter()
+            .position(|known| known == block)
+            .unwrap_or_else(|| {
+                seen.push(*block);
+                seen.len() - 1
+            });
+        *block = place;
+    }
+    state
 }
 
 /// Names of elements in order: `k1`, `c1`, `k2` …

@@ -73,7 +73,9 @@ fn check(realisation: &Realisation, target: &RationalFunction) {
         if let Some(mesh) = realisation.structure.mesh() {
             assert!(
                 (nodal(&mesh, s) - wanted).norm() <= tolerance,
-                "nodal: {mesh}"
+                "nodal: {mesh} {:e} {:?}",
+                (nodal(&mesh, s) - wanted).norm() / wanted.norm(),
+                mesh.elements.iter().map(|e| e.value).collect::<Vec<_>>()
             );
             assert!(
                 (mesh.admittance().evaluate(s) - wanted).norm() <= tolerance,
@@ -82,7 +84,9 @@ fn check(realisation: &Realisation, target: &RationalFunction) {
             assert!(
                 mesh.elements
                     .iter()
-                    .all(|e| e.value > 0.0 && e.value.is_finite())
+                    .all(|e| e.value > 0.0 && e.value.is_finite()),
+                "{mesh} {:?} of {target}",
+                mesh.elements.iter().map(|e| e.value).collect::<Vec<_>>()
             );
         }
         if let Some((layout, values)) = realisation.structure.layout() {

@@ -106,7 +106,7 @@ fn impedance_cycle(z: &RationalFunction, omega: f64, method: Method) -> Option<S
         denominator: cut(n),
     };
     // The first remainder by its admittance r/n, the second with impedance ζ²/Z_a.
-    let first = preamble::structure(&rest, method)?;
+    let first = preamble::remainder(&rest, method)?;
     let second = first.dual(1.0 / (zeta * zeta))?;
     let (l2, c2) = (1.0 / h, h / (omega * omega));
     let (c1, l1) = (1.0 / (a * zeta), ratio);

@@ -47,7 +47,7 @@ pub(super) fn section(minimum: &Minimum) -> Option<Structure> {
         stiffness: 1.0 / primary,
         ratio: second / primary,
         inertance,
-        rest: preamble::structure(&rest, Method::Brune)?,
+        rest: preamble::remainder(&rest, Method::Brune)?,
     })))
 }
 

@@ -45,6 +45,24 @@ pub(super) fn structure(function: &RationalFunction, method: Method) -> Option<S
     rest
 }
 
+/// The network of what a cycle left, without the factors and coefficients that are its rounding.
+pub(super) fn remainder(rest: &RationalFunction, method: Method) -> Option<Structure> {
+    let clean = |coefficients: &[f64]| {
+        let noise = 1e-11 * size(coefficients);
+        trimmed(
+            coefficients
+                .iter()
+                .map(|x| if x.abs() <= noise { 0.0 } else { *x })
+                .collect(),
+        )
+    };
+    let rest = RationalFunction {
+        numerator: clean(&rest.numerator),
+        denominator: clean(&rest.denominator),
+    };
+    structure(&rest.in_lowest_terms(1e-10), method)
+}
+
 /// The preamble of a positive-real function at unit scales; none if rounding leads astray.
 pub(super) fn preamble(function: &RationalFunction) -> Option<Stages> {
     let mut rest = function.clone();
@@ -97,6 +115,10 @@ pub(super) fn preamble(function: &RationalFunction) -> Option<Stages> {
             push(&mut stages, Structure::Element(Element::Damper, constant))?;
         }
         rest = smaller;
+        // Where an end is as low, a pole of the reciprocal has come up there.
+        if pole(&rest.reciprocal()).is_some() {
+            continue;
+        }
         if finite && !zero_at(&rest, omega) {
             return Some(Stages {
                 stages,
@@ -129,7 +151,8 @@ fn constant(function: &RationalFunction) -> Option<(f64, f64, RationalFunction)>
         let top = rest.denominator.len();
         rest.numerator.truncate(top.saturating_sub(1).max(1));
     }
-    rest.numerator = trimmed(rest.numerator);
+    // Both ends may have vanished.
+    let rest = cleaned(rest.numerator, rest.denominator, size(&function.numerator));
     Some((omega, least, rest))
 }
 

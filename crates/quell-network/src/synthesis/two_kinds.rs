@@ -2,9 +2,11 @@
 
 use std::fmt;
 
+use num_complex::Complex64;
+
 use super::Structure;
 use super::preamble::pole;
-use crate::polynomial::{at, combined, derivative, roots, trimmed, value};
+use crate::polynomial::{at, combined, derivative, horner, roots, trimmed, value};
 use crate::{Element, RationalFunction};
 
 /// The four canonical forms.
@@ -68,6 +70,9 @@ fn mirrored(structure: &Structure) -> Structure {
 
 /// Partial fractions of the admittance.
 fn foster(function: &RationalFunction) -> Option<Structure> {
+    if let Some(structure) = lossless(function) {
+        return Some(structure);
+    }
     let mut branches = Vec::new();
     let mut rest = function.clone();
     // Springs and inerters: every pole is on the axis.
@@ -137,6 +142,62 @@ fn foster(function: &RationalFunction) -> Option<Structure> {
     (counts.springs == 0 || counts.inerters == 0).then_some(structure)
 }
 
+/// Partial fractions of a function of springs and inerters, every residue from the function itself.
+fn lossless(function: &RationalFunction) -> Option<Structure> {
+    let RationalFunction {
+        numerator: p,
+        denominator: q,
+    } = function;
+    let odd = |coefficients: &[f64], parity: usize| {
+        coefficients
+            .iter()
+            .enumerate()
+            .all(|(power, coefficient)| power % 2 == parity || *coefficient == 0.0)
+    };
+    if !((odd(p, 0) && odd(q, 1)) || (odd(p, 1) && odd(q, 0))) {
+        return None;
+    }
+    let mut branches = Vec::new();
+    let (top_p, top_q) = function.degrees();
+    if top_p > top_q {
+        let inertance = at(p, top_p) / at(q, top_q);
+        branches.push(Structure::Element(Element::Inerter, inertance));
+    }
+    if at(q, 0) == 0.0 {
+        let stiffness = at(p, 0) / at(q, 1);
+        branches.push(Structure::Element(Element::Spring, stiffness));
+    }
+    let slope = derivative(q);
+    // q in x = -s², its roots ω².
+    let start = usize::from(at(q, 0) == 0.0);
+    let squares: Vec<f64> = q
+        .iter()
+        .skip(start)
+        .step_by(2)
+        .enumerate()
+        .map(|(i, x)| if i % 2 == 0 { *x } else { -*x })
+        .collect();
+    let mut poles: Vec<f64> = roots(&squares).iter().map(|x| x.re).collect();
+    poles.sort_by(f64::total_cmp);
+    for square in poles {
+        let s = Complex64::new(0.0, square.sqrt());
+        let stiffness = 2.0 * (horner(p, s) / horner(&slope, s)).re;
+        branches.push(Structure::Series(vec![
+            Structure::Element(Element::Spring, stiffness),
+            Structure::Element(Element::Inerter, stiffness / square),
+        ]));
+    }
+    let positive = |part: &Structure| match part {
+        Structure::Element(_, value) => *value > 0.0,
+        _ => false,
+    };
+    let good = branches.iter().all(|branch| match branch {
+        Structure::Series(parts) => parts.iter().all(positive),
+        other => positive(other),
+    });
+    good.then(|| Structure::group(false, branches))
+}
+
 /// Continued fraction about infinity: poles and values there, of admittance and impedance in turn.
 fn cauer(function: &RationalFunction) -> Option<Structure> {
     let mut stages: Vec<(bool, Structure)> = Vec::new();
@@ -157,6 +218,13 @@ fn cauer(function: &RationalFunction) -> Option<Structure> {
             return None;
         }
         let shift = top_p - top_q;
+        // Of a function and its reciprocal only that with the smaller value at infinity than at zero stays passive.
+        let (p0, q0) = (at(&rest.numerator, 0), at(&rest.denominator, 0));
+        if shift == 0 && rest.degree() > 0 && lead * q0 > p0 {
+            rest = rest.reciprocal();
+            is_impedance = !is_impedance;
+            continue;
+        }
         let part = match shift {
             0 => Structure::Element(Element::Damper, lead),
             1 => Structure::Element(Element::Inerter, lead),
