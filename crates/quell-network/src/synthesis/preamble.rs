@@ -217,7 +217,7 @@ pub(super) fn pole(function: &RationalFunction) -> Option<(Structure, RationalFu
 
 /// A rational function without leading and trailing coefficients that are rounding of terms of a given size.
 fn cleaned(mut numerator: Vec<f64>, denominator: Vec<f64>, terms: f64) -> RationalFunction {
-    let noise = 1e-13 * terms;
+    let noise = 1e-11 * terms;
     for coefficient in &mut numerator {
         if coefficient.abs() <= noise {
             *coefficient = 0.0;
