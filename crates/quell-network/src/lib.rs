@@ -11,11 +11,14 @@
 //! units throughout; the time factor is e^(jωt).
 
 mod bridge;
+mod catalogue;
 mod component;
 mod degree;
 mod element;
 mod enumeration;
+mod equivalence;
 mod gradient;
+mod immittance;
 mod kind;
 mod layout;
 mod linear;
@@ -30,17 +33,23 @@ mod positive_real;
 mod program;
 mod rational;
 mod rational_algebra;
+mod removal;
 mod synthesis;
 mod transform;
 mod tree;
 
+pub use catalogue::{CATALOGUE, Device, DevicePart, device};
 pub use component::{
     Component, ComponentError, ComponentVariable, Expansion, ExpansionWorkspace, Variable, expand,
 };
 pub use degree::Order;
 pub use element::{Domain, Element};
 pub use enumeration::{Budget, Enumeration, EnumerationError, Equivalence, Layouts};
+pub use equivalence::{
+    Counts, LadenheimStructure, counts, immittance_classes, ladenheim_structures, zobel_classes,
+};
 pub use gradient::PartShare;
+pub use immittance::{ImmittanceOrder, PassiveFunctions, is_regular};
 pub use kind::{Branch, CustomElement, Kind, KindError, Kinds};
 pub use layout::{Layout, LayoutError};
 pub use mechanism::{Law, Mechanism, MechanismElement};
@@ -51,6 +60,7 @@ pub use positive_real::{Nearest, NearestError, POSITIVE_REAL_TOLERANCE, Verdict,
 pub use program::{RatioGrid, Workspace};
 pub use rational::RationalFunction;
 pub use rational_algebra::{RationalError, Scales};
+pub use removal::{Gone, Removal};
 pub use synthesis::{
     Elements, Form, Joined, LeverSection, Matching, Method, Preamble, REALISATION_TOLERANCE,
     Realisation, Smallest, Structure, SynthesisError, bott_duffin, brune, canonical,

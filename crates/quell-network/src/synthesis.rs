@@ -20,7 +20,9 @@ use std::fmt;
 
 use crate::{POSITIVE_REAL_TOLERANCE, RationalFunction, Scales, Verdict};
 
+pub(crate) use matching::numbered;
 pub use matching::{Matching, Smallest};
+pub(crate) use monomials::{Monomials, halton};
 pub use structure::{Elements, LeverSection, Structure};
 pub use two_kinds::Form;
 

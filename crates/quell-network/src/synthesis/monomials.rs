@@ -50,7 +50,7 @@ impl Monomials {
     }
 
     /// Lowest and highest powers of s of N and of D.
-    fn powers(&self) -> [(usize, usize); 2] {
+    pub(crate) fn powers(&self) -> [(usize, usize); 2] {
         [&self.numerator, &self.denominator].map(|terms| {
             let powers = terms.iter().map(|(power, _)| *power);
             (powers.clone().min().unwrap_or(0), powers.max().unwrap_or(0))
