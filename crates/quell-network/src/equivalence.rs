@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use crate::kind::{Branch, Kind};
 use crate::synthesis::{Monomials, halton, numbered};
 use crate::{
-    Budget, Domain, Element, Enumeration, EnumerationError, Equivalence, Kinds, Layout, Scales, Tree, bridge,
+    Budget, Domain, Element, Enumeration, EnumerationError, Equivalence, Kinds, Layout, Scales,
+    Tree, bridge,
 };
 
 /// How many layouts there are, by what counts as one.
@@ -32,7 +33,12 @@ pub fn counts(springs: usize, dampers: usize, inerters: usize) -> Result<Counts,
             Budget::exactly("c", dampers),
             Budget::exactly("b", inerters),
         ];
-        Enumeration::new(&Kinds::new(Domain::Translational), &budgets, None, equivalence)
+        Enumeration::new(
+            &Kinds::new(Domain::Translational),
+            &budgets,
+            None,
+            equivalence,
+        )
     };
     let irreducible = list(Equivalence::Irreducible)?;
     let layouts: Vec<Layout> = irreducible.iter().collect();
@@ -104,7 +110,11 @@ pub fn immittance_classes(layouts: &[Layout]) -> Vec<Vec<usize>> {
             let (Some(first), Some(second)) = (first, second) else {
                 continue;
             };
-            let size = |place: usize| layouts.get(place).map_or(0, |layout| layout.branches().count());
+            let size = |place: usize| {
+                layouts
+                    .get(place)
+                    .map_or(0, |layout| layout.branches().count())
+            };
             if first.powers() == second.powers()
                 && contains(first, second, size(j))
                 && contains(second, first, size(i))
@@ -119,7 +129,9 @@ pub fn immittance_classes(layouts: &[Layout]) -> Vec<Vec<usize>> {
 /// The canonical text with the branches' numbers struck out.
 fn shape(layout: &Layout) -> String {
     let text = layout.canonical().to_string();
-    text.chars().filter(|character| !character.is_ascii_digit()).collect()
+    text.chars()
+        .filter(|character| !character.is_ascii_digit())
+        .collect()
 }
 
 fn element(tree: &Tree<Branch>) -> Option<Element> {
@@ -269,7 +281,10 @@ pub fn ladenheim_structures() -> Result<Vec<LadenheimStructure>, EnumerationErro
     all.extend(
         bridge::labelled()
             .filter(|labels| {
-                let dampers = labels.iter().filter(|label| **label == Element::Damper).count();
+                let dampers = labels
+                    .iter()
+                    .filter(|label| **label == Element::Damper)
+                    .count();
                 dampers == 3 || dampers == 4
             })
             .map(LadenheimStructure::Bridge),

@@ -204,9 +204,8 @@ impl PassiveFunctions {
                 parameter(start + row * (row + 1) / 2 + column)
             }
         };
-        let dissipation = |i: usize, j: usize| -> f64 {
-            (0..=n).map(|k| lower(i, k) * lower(j, k)).sum()
-        };
+        let dissipation =
+            |i: usize, j: usize| -> f64 { (0..=n).map(|k| lower(i, k) * lower(j, k)).sum() };
         let skew = |i: usize, j: usize| {
             if j == i + 1 {
                 parameter(2 + i)

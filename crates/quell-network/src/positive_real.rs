@@ -486,7 +486,7 @@ impl RationalFunction {
             numerator: unit.numerator.clone(),
             denominator: denominator.iter().map(|z| z.re).collect(),
         }
-        .from_scales(scales)
+        .at_former_scales(scales)
     }
 
     /// sup |Y - X| on a grid of 4001 frequencies over twelve decades, and in the limits.

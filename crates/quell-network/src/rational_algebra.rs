@@ -223,7 +223,7 @@ impl RationalFunction {
                 numerator: scaled(&p, sign_p * sign_q),
                 denominator: q,
             };
-            let candidate = unscaled.from_scales(scales);
+            let candidate = unscaled.at_former_scales(scales);
             if !is_zero(&candidate.denominator) && reduced.distance(&candidate) <= 100.0 * tolerance
             {
                 return candidate;
@@ -234,7 +234,7 @@ impl RationalFunction {
 
     /// Y(s) = Y0 y(s/ω0) of a function at scales.
     #[must_use]
-    pub(crate) fn from_scales(&self, scales: Scales) -> Self {
+    pub(crate) fn at_former_scales(&self, scales: Scales) -> Self {
         Self {
             numerator: scaled(
                 &stretched(&self.numerator, 1.0 / scales.frequency),
@@ -264,10 +264,7 @@ impl RationalFunction {
         let (top_a, top_b) = (a.degree(), b.degree());
         let at = |omega: f64| {
             let s = Complex64::new(0.0, omega);
-            let (fa, fb) = (
-                omega.max(1.0).powi(top_a as i32),
-                omega.max(1.0).powi(top_b as i32),
-            );
+            let (fa, fb) = (power(omega.max(1.0), top_a), power(omega.max(1.0), top_b));
             chordal([
                 horner(all[0], s) / fa,
                 horner(all[1], s) / fa,
@@ -296,12 +293,17 @@ impl RationalFunction {
     }
 }
 
+/// base^exponent.
+fn power(base: f64, exponent: usize) -> f64 {
+    base.powi(i32::try_from(exponent).unwrap_or(i32::MAX))
+}
+
 /// Coefficients of p(factor · s).
 fn stretched(coefficients: &[f64], factor: f64) -> Vec<f64> {
     coefficients
         .iter()
         .enumerate()
-        .map(|(power, coefficient)| coefficient * factor.powi(power as i32))
+        .map(|(exponent, coefficient)| coefficient * power(factor, exponent))
         .collect()
 }
 

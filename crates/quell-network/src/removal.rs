@@ -73,7 +73,11 @@ impl Layout {
                 let values = if values.is_empty() {
                     Vec::new()
                 } else {
-                    merged.layout.branches().map(|branch| value(&branch.name)).collect()
+                    merged
+                        .layout
+                        .branches()
+                        .map(|branch| value(&branch.name))
+                        .collect()
                 };
                 all.push(Removal {
                     branch: branch.name.clone(),

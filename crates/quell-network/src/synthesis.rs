@@ -250,7 +250,7 @@ pub fn foster_preamble(function: &RationalFunction) -> Result<Preamble, Synthesi
                 minimum.function
             };
             (
-                admittance.from_scales(target.scales),
+                admittance.at_former_scales(target.scales),
                 minimum.omega * frequency,
             )
         }),

@@ -4,8 +4,9 @@
 use num_complex::Complex64;
 use proptest::prelude::*;
 use quell_network::{
-    CATALOGUE, Domain, Element, Gone, ImmittanceOrder, Kinds, LadenheimStructure, Layout, Matching, Network,
-    POSITIVE_REAL_TOLERANCE, PassiveFunctions, counts, device, is_regular, ladenheim_structures,
+    CATALOGUE, Domain, Element, Gone, ImmittanceOrder, Kinds, LadenheimStructure, Layout, Matching,
+    Network, POSITIVE_REAL_TOLERANCE, PassiveFunctions, Structure, counts, device, is_regular,
+    ladenheim_structures,
 };
 
 #[path = "../examples/synthesis_table.rs"]
@@ -45,7 +46,9 @@ fn the_ladenheim_set_has_148_structures() {
         LadenheimStructure::SeriesParallel(layout) => layout.branches().count(),
         LadenheimStructure::Bridge(labels) => labels.len(),
     };
-    let sizes: Vec<usize> = (1..=5).map(|n| all.iter().filter(|s| size(s) == n).count()).collect();
+    let sizes: Vec<usize> = (1..=5)
+        .map(|n| all.iter().filter(|s| size(s) == n).count())
+        .collect();
     assert_eq!(sizes, [3, 6, 16, 38, 85]);
     assert_eq!(all.len(), 148);
     for structure in &all {
@@ -61,15 +64,31 @@ fn the_catalogue_reads() {
         for part in entry.parts {
             let layout = layout(part.layout);
             assert!(Network::from_layout(&layout, None).is_ok());
-            assert!(!layout.contains_mass() || layout.ends_in_mass(), "{}", entry.name);
+            assert!(
+                !layout.contains_mass() || layout.ends_in_mass(),
+                "{}",
+                entry.name
+            );
             assert!(layout.merge_like().values.is_empty(), "{}", entry.name);
         }
-        assert_eq!(CATALOGUE.iter().filter(|other| other.name == entry.name).count(), 1);
+        assert_eq!(
+            CATALOGUE
+                .iter()
+                .filter(|other| other.name == entry.name)
+                .count(),
+            1
+        );
         assert!(entry.source.chars().any(|c| c.is_ascii_digit()));
     }
     assert_eq!(device("tvmd").unwrap().text(), Some("k1 + (c1 | b1)"));
     assert!(device("TMDI").unwrap().layout().is_none());
-    assert_eq!(CATALOGUE.iter().filter(|d| d.title.starts_with("strut")).count(), 8);
+    assert_eq!(
+        CATALOGUE
+            .iter()
+            .filter(|d| d.title.starts_with("strut"))
+            .count(),
+        8
+    );
 }
 
 /// Each removal is the limit of the network itself, with the branch's value very small or very large.
@@ -77,7 +96,10 @@ fn the_catalogue_reads() {
 fn removals_are_limits() {
     for (text, values) in [
         ("b1 | c1 + (k1 | c2)", vec![13.0, 4900.0, 1.5e5, 1000.0]),
-        ("k1 | k2 + (c1 | k3 + b1) | c2", vec![3.0, 5.0, 2.0, 7.0, 1.5, 0.4]),
+        (
+            "k1 | k2 + (c1 | k3 + b1) | c2",
+            vec![3.0, 5.0, 2.0, 7.0, 1.5, 0.4],
+        ),
         ("(k1 | k2 + c1) + m1", vec![3.0, 5.0, 2.0, 7.0]),
     ] {
         let full = layout(text);
@@ -86,12 +108,29 @@ fn removals_are_limits() {
         for removal in removals {
             let left = removal.layout.unwrap();
             let mut extreme = values.clone();
-            let place = full.branches().position(|b| b.name == removal.branch).unwrap();
-            extreme[place] *= if removal.how == Gone::Free { 1e-11 } else { 1e11 };
-            let (a, b) = (Network::from_layout(&full, None).unwrap(), Network::from_layout(&left, None).unwrap());
+            let place = full
+                .branches()
+                .position(|b| b.name == removal.branch)
+                .unwrap();
+            extreme[place] *= if removal.how == Gone::Free {
+                1e-11
+            } else {
+                1e11
+            };
+            let (a, b) = (
+                Network::from_layout(&full, None).unwrap(),
+                Network::from_layout(&left, None).unwrap(),
+            );
             for omega in [0.3, 2.0, 31.0] {
-                let (x, y) = (a.dynamic_stiffness(omega, &extreme), b.dynamic_stiffness(omega, &removal.values));
-                assert!((x - y).norm() < 1e-5 * y.norm(), "{text} without {}: {left} {x} {y}", removal.branch);
+                let (x, y) = (
+                    a.dynamic_stiffness(omega, &extreme),
+                    b.dynamic_stiffness(omega, &removal.values),
+                );
+                assert!(
+                    (x - y).norm() < 1e-5 * y.norm(),
+                    "{text} without {}: {left} {x} {y}",
+                    removal.branch
+                );
             }
         }
     }
@@ -101,9 +140,94 @@ fn removals_are_limits() {
     assert_eq!(removals.len(), 2);
     assert!(removals.iter().all(|removal| removal.how == Gone::Free));
     let chain = layout("k1 | c1 + b1").removals(&[]);
-    let lost = chain.iter().find(|r| r.branch == "c1" && r.how == Gone::Free).unwrap();
+    let lost = chain
+        .iter()
+        .find(|r| r.branch == "c1" && r.how == Gone::Free)
+        .unwrap();
     assert_eq!(lost.lost, ["b1"]);
     assert_eq!(lost.layout.as_ref().unwrap().to_string(), "k1");
+}
+
+/// Five-element bridges of two reactive elements that no series-parallel network of five elements can replace.
+#[test]
+fn bridges_are_found_where_they_are_smaller() {
+    let mut found_one = 0;
+    for sample in 0..40_u32 {
+        let value = |place: u32| {
+            10_f64.powf(
+                f64::from((sample * 37 + place * 61 + sample * sample * place) % 101) / 50.0 - 1.0,
+            )
+        };
+        let element = |element, place| Structure::Element(element, value(place));
+        let edges = [
+            (0, 2, element(Element::Inerter, 1)),
+            (0, 3, element(Element::Damper, 2)),
+            (2, 1, element(Element::Damper, 3)),
+            (3, 1, element(Element::Spring, 4)),
+            (2, 3, element(Element::Damper, 5)),
+        ];
+        let target = Structure::Graph(edges.to_vec()).admittance();
+        let [p, q] = [&target.numerator, &target.denominator];
+        if p.len() != 3 || q.len() != 3 || is_regular(&[p[2], p[1], p[0], q[2], q[1], q[0]]) {
+            continue;
+        }
+        let plain = Matching {
+            most_elements: 5,
+            bridges: false,
+            ..Matching::default()
+        };
+        if plain.smallest(&target).is_ok() {
+            continue;
+        }
+        let with = Matching {
+            most_elements: 5,
+            ..Matching::default()
+        }
+        .smallest(&target)
+        .unwrap();
+        assert!(
+            with.realisations
+                .iter()
+                .all(|r| matches!(r.structure, Structure::Graph(_)) && r.residual < 1e-9)
+        );
+        found_one += 1;
+        if found_one == 3 {
+            return;
+        }
+    }
+    panic!("only {found_one} bridges");
+}
+
+/// Whatever is smallest for Y is smallest, with springs and inerters exchanged, for 1/Y.
+#[test]
+fn the_smallest_networks_of_reciprocals_are_duals() {
+    for coefficients in [
+        [1.0, 2.0, 1.0, 1.0, 1.0, 2.0],
+        [0.0, 1.0, 1.0, 1.0, 1.0, 0.0],
+        [1.0, 2.0, 0.0, 1.0, 1.0, 2.0],
+    ] {
+        let y = ImmittanceOrder::Biquadratic
+            .function(&coefficients)
+            .unwrap();
+        let kinds = |y: &quell_network::RationalFunction, swapped: bool| {
+            let found = Matching::default().smallest(y).unwrap();
+            let mut all: Vec<(usize, usize, usize)> = found
+                .realisations
+                .iter()
+                .map(|r| {
+                    let e = r.structure.elements();
+                    if swapped {
+                        (e.inerters, e.dampers, e.springs)
+                    } else {
+                        (e.springs, e.dampers, e.inerters)
+                    }
+                })
+                .collect();
+            all.sort_unstable();
+            all
+        };
+        assert_eq!(kinds(&y, false), kinds(&y.reciprocal(), true));
+    }
 }
 
 /// The documentation's table is what the example prints now.
@@ -121,7 +245,14 @@ fn agree(order: ImmittanceOrder, coefficients: &[f64]) -> Result<(), TestCaseErr
     let y = order.function(coefficients).unwrap();
     if margin.abs() > 1e-7 {
         let verdict = y.positive_real(POSITIVE_REAL_TOLERANCE);
-        prop_assert_eq!(margin > 0.0, verdict.is_positive_real(), "{} margin {}: {}", y, margin, verdict);
+        prop_assert_eq!(
+            margin > 0.0,
+            verdict.is_positive_real(),
+            "{} margin {}: {}",
+            y,
+            margin,
+            verdict
+        );
     }
     Ok(())
 }
@@ -174,6 +305,10 @@ proptest! {
         let verdict = y.positive_real(1e-9);
         prop_assert!(verdict.is_positive_real(), "{y}: {verdict}");
     }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     /// Jiang and Smith 2011: a regular biquadratic needs at most five elements, series-parallel; what series-parallel networks
     /// of two reactive elements do is regular.

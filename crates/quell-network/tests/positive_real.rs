@@ -118,8 +118,8 @@ fn failures_say_where_and_by_how_much() {
     else {
         panic!("{found}");
     };
-    let edges =
-        [-1.0, 1.0].map(|sign: f64| ((4.5 + sign * (4.5_f64.powi(2) - 16.0).sqrt()) / 2.0).sqrt());
+    let edges = [-1.0, 1.0]
+        .map(|sign: f64| f64::midpoint(4.5, sign * (4.5_f64.powi(2) - 16.0).sqrt()).sqrt());
     assert!((band.0 - edges[0]).abs() < 1e-9 && (band.1 - edges[1]).abs() < 1e-9);
     let y = function(&[1.0, 0.5, 1.0], &[1.0, 1.0, 4.0]);
     let re = |w: f64| y.evaluate(Complex64::new(0.0, w)).re;

@@ -1,5 +1,13 @@
 //! Synthesis against analysis, published networks and counts of elements.
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "helpers of tests may panic"
+)]
+#![expect(
+    clippy::needless_range_loop,
+    reason = "eliminations read best by index"
+)]
 
 use num_complex::Complex64;
 use proptest::prelude::*;

@@ -100,6 +100,10 @@ fn foster(function: &RationalFunction) -> Option<Structure> {
         poles.push(root.re);
     }
     poles.sort_by(|a, b| b.total_cmp(a));
+    let multiple = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-6 * a.abs();
+    if poles.iter().zip(poles.iter().skip(1)).any(multiple) {
+        return None;
+    }
     let residues: Vec<f64> = poles
         .iter()
         .map(|s| value(&rest.numerator, *s) / value(&slope, *s))
