@@ -147,7 +147,8 @@ pub(crate) fn table() -> String {
                         first.structure.to_string().replace('|', "\\|")
                     )
                 }),
-            Err(_) => "more than 6".to_owned(),
+            Err(SynthesisError::NotFound(most)) => format!("more than {most}"),
+            Err(_) => "-".to_owned(),
         };
         let _ = writeln!(
             text,

@@ -59,11 +59,11 @@ pub(crate) fn smallest_singular(mut columns: Vec<Vec<f64>>) -> (Vec<f64>, f64) {
     )
 }
 
+/// x of (A + μ diag A) x = b for a symmetric positive definite A given row by row, none if it is not.
 #[expect(
     clippy::needless_range_loop,
     reason = "triangular solutions read best by index"
 )]
-/// x of (A + μ diag A) x = b for a symmetric positive definite A given row by row, none if it is not.
 pub(crate) fn damped_solution(
     matrix: &[Vec<f64>],
     damping: f64,
