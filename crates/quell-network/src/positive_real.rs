@@ -266,7 +266,18 @@ impl RationalFunction {
                 at: 0.0,
             };
         }
-        let reduced = function.in_lowest_terms(1e-12);
+        // A common factor elsewhere than in the right half-plane does no harm, and finding it rounds.
+        let passes = |function: &Self| {
+            let unit = function.at_scales(function.scales());
+            hurwitz_sum(&unit, tolerance)
+                && nonnegative(&RealPart::of(&unit).numerator, &unit, tolerance)
+        };
+        let passed = passes(&function);
+        let reduced = if passed {
+            function
+        } else {
+            function.in_lowest_terms(1e-12)
+        };
         let scales = reduced.scales();
         let unit = reduced.at_scales(scales);
         let real = RealPart::of(&unit);
@@ -282,7 +293,7 @@ impl RationalFunction {
             least_real_part: least * scales.size,
             at: omega * scales.frequency,
         };
-        if hurwitz_sum(&unit, tolerance) && nonnegative(&real.numerator, &unit, tolerance) {
+        if passed || passes(&reduced) {
             verdict.least_real_part = verdict.least_real_part.max(0.0);
             return verdict;
         }

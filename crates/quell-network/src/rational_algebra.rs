@@ -200,7 +200,8 @@ impl RationalFunction {
             }
             // N q = D p: the vector holds q, then p.
             let (q, p) = vector.split_at((lower + 1).min(vector.len()));
-            let clean = |coefficients: &[f64]| {
+            // Cancellation keeps the powers of s at both ends.
+            let clean = |coefficients: &[f64], former: &[f64]| {
                 let largest = coefficients
                     .iter()
                     .fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -209,8 +210,10 @@ impl RationalFunction {
                 } else {
                     1.0
                 };
-                let kept = coefficients.iter().map(|x| {
-                    if x.abs() <= ROUNDING * largest {
+                let low = lowest(former).unwrap_or(0);
+                let high = (degree(former) + lower).saturating_sub(top);
+                let kept = coefficients.iter().enumerate().map(|(power, x)| {
+                    if power < low || power > high || x.abs() <= ROUNDING * largest {
                         0.0
                     } else {
                         sign * x
@@ -218,7 +221,8 @@ impl RationalFunction {
                 });
                 (trimmed(kept.collect()), sign)
             };
-            let ((p, sign_p), (q, sign_q)) = (clean(p), clean(q));
+            let ((p, sign_p), (q, sign_q)) =
+                (clean(p, &unit.numerator), clean(q, &unit.denominator));
             let unscaled = Self {
                 numerator: scaled(&p, sign_p * sign_q),
                 denominator: q,
