@@ -273,11 +273,8 @@ impl RationalFunction {
                 && nonnegative(&RealPart::of(&unit).numerator, &unit, tolerance)
         };
         let passed = passes(&function);
-        let reduced = if passed {
-            function
-        } else {
-            function.in_lowest_terms(1e-12)
-        };
+        // What is reported must not see near-common factors on the axis as 0/0.
+        let reduced = function.in_lowest_terms(if passed { 1e-9 } else { 1e-12 });
         let scales = reduced.scales();
         let unit = reduced.at_scales(scales);
         let real = RealPart::of(&unit);

@@ -95,6 +95,9 @@ pub enum SynthesisError {
         /// How far (chordal distance).
         residual: f64,
     },
+    /// Rounding hides what the method must decide, such as whether a coefficient is zero.
+    #[error("rounding leads {0} astray: the function is too ill-conditioned for this method")]
+    Rounding(Method),
     /// No network up to the given size has the admittance.
     #[error(
         "no network of at most {0} elements has this admittance; allow more, or try Bott and Duffin's method"
@@ -178,11 +181,8 @@ pub fn reduced_bott_duffin(function: &RationalFunction) -> Result<Realisation, S
 
 fn realise(function: &RationalFunction, method: Method) -> Result<Realisation, SynthesisError> {
     let target = Target::new(function)?;
-    let inaccurate = SynthesisError::Inaccurate {
-        method,
-        residual: f64::NAN,
-    };
-    let structure = preamble::structure(&target.unit, method).ok_or(inaccurate)?;
+    let structure =
+        preamble::structure(&target.unit, method).ok_or(SynthesisError::Rounding(method))?;
     let simple = structure.is_series_parallel() && {
         let stages = preamble::preamble(&target.unit);
         stages.is_some_and(|stages| stages.minimum.is_none())
@@ -232,10 +232,8 @@ pub enum Joined {
 /// See [`SynthesisError`].
 pub fn foster_preamble(function: &RationalFunction) -> Result<Preamble, SynthesisError> {
     let target = Target::new(function)?;
-    let stages = preamble::preamble(&target.unit).ok_or(SynthesisError::Inaccurate {
-        method: Method::Preamble,
-        residual: f64::NAN,
-    })?;
+    let stages =
+        preamble::preamble(&target.unit).ok_or(SynthesisError::Rounding(Method::Preamble))?;
     let Scales { frequency, size } = target.scales;
     Ok(Preamble {
         stages: stages
