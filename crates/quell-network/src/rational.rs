@@ -4,6 +4,7 @@ use std::fmt;
 
 use num_complex::Complex64;
 
+use crate::polynomial::{degree, horner, product, sum};
 use crate::program::Operation;
 use crate::{Element, Network};
 
@@ -35,20 +36,6 @@ impl RationalFunction {
     pub fn evaluate(&self, s: Complex64) -> Complex64 {
         crate::network::quotient(horner(&self.numerator, s), horner(&self.denominator, s))
     }
-}
-
-fn degree(coefficients: &[f64]) -> usize {
-    coefficients
-        .iter()
-        .rposition(|coefficient| *coefficient != 0.0)
-        .unwrap_or(0)
-}
-
-fn horner(coefficients: &[f64], s: Complex64) -> Complex64 {
-    coefficients
-        .iter()
-        .rev()
-        .fold(Complex64::ZERO, |sum, coefficient| sum * s + coefficient)
 }
 
 impl fmt::Display for RationalFunction {
@@ -168,23 +155,6 @@ impl Network {
             denominator,
         }
     }
-}
-
-fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
-    let mut result = vec![0.0; (a.len() + b.len()).saturating_sub(1)];
-    for (i, x) in a.iter().enumerate() {
-        for (target, y) in result.iter_mut().skip(i).zip(b) {
-            *target += x * y;
-        }
-    }
-    result
-}
-
-fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
-    let at = |coefficients: &[f64], i: usize| coefficients.get(i).copied().unwrap_or(0.0);
-    (0..a.len().max(b.len()))
-        .map(|i| at(a, i) + at(b, i))
-        .collect()
 }
 
 /// Both polynomials by the power of two that brings the largest coefficient near one; exact.
