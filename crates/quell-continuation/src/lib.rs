@@ -1,0 +1,20 @@
+//! Branches of equilibria and periodic orbits of ẋ = f(t, x, p), their special points and the curves of those.
+//!
+//! A [`Problem`] offers f with exact derivatives; the crate knows nothing else about it.
+#![allow(clippy::needless_range_loop)] // index arithmetic mirrors the formulas
+
+mod branch;
+mod dense;
+mod equilibrium;
+mod kind;
+mod monitor;
+mod path;
+mod problem;
+mod settings;
+
+pub use branch::{Branch, Equilibrium, Point, Special};
+pub use equilibrium::{equilibria, equilibria_across};
+pub use kind::{Certainty, Kind};
+pub use monitor::{Monitor, View};
+pub use problem::{Closure, Problem};
+pub use settings::{ContinuationError, Directions, Interrupt, MeshSettings, Settings, Stop};

@@ -1,0 +1,15 @@
+//! Reference figures, closed forms and behaviour at the edges.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod equilibria;
+
+/// Relative agreement.
+pub fn close(found: f64, expected: f64, tolerance: f64) {
+    assert!(
+        (found - expected).abs() <= tolerance * expected.abs().max(1e-3),
+        "found {found:.12}, expected {expected:.12}, relative gap {:.1e}",
+        (found - expected).abs() / expected.abs().max(1e-300)
+    );
+}
