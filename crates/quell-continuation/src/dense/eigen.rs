@@ -230,7 +230,7 @@ fn pair(p: f64, q: f64, r: f64, t: f64) -> (Complex64, Complex64) {
 }
 
 fn shifted(n: usize, a: &[f64], value: Complex64) -> Lu<Complex64> {
-    let size = a.iter().fold(value.norm(), |m, x| m.max(x.abs())).max(1e-200);
+    let size = a.iter().fold(value.norm(), |m, x| m.max(x.abs())).max(1e-100);
     // A shift at rounding level keeps the factorisation from an exact zero pivot.
     let value = value + Complex64::new(size * 4e-16, size * 2e-16);
     let matrix: Vec<Complex64> = (0..n * n)
