@@ -26,6 +26,8 @@ pub struct Point<S> {
     pub spectrum: Vec<Complex64>,
     /// How many of them are unstable.
     pub unstable: usize,
+    /// Error bar of the multipliers: that of the trivial one, or of det M = exp ∫ tr `f_x` on forced orbits; zero for eigenvalues.
+    pub spectrum_error: f64,
 }
 
 /// A special point.
@@ -97,6 +99,7 @@ pub(crate) fn assemble<M: Manifold, S>(
         solution: convert(node),
         spectrum: node.spectrum.values.clone(),
         unstable: node.unstable(m),
+        spectrum_error: node.spectrum.error,
     };
     let special = |l: &crate::path::Located, after: usize, reversed: bool| Special {
         label: String::new(),

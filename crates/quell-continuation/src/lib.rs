@@ -4,10 +4,12 @@
 #![allow(clippy::needless_range_loop)] // index arithmetic mirrors the formulas
 
 mod branch;
+mod curve;
 mod dense;
 mod equilibrium;
 mod kind;
 mod monitor;
+mod orbit;
 mod path;
 mod problem;
 mod settings;
@@ -16,5 +18,8 @@ pub use branch::{Branch, Equilibrium, Point, Special};
 pub use equilibrium::{equilibria, equilibria_across};
 pub use kind::{Certainty, Kind};
 pub use monitor::{Monitor, View};
+pub use orbit::{
+    Orbit, Samples, cycles_across, cycles_doubled, cycles_from_hopf, cycles_from_orbit, cycles_from_pair, cycles_from_samples,
+};
 pub use problem::{Closure, Problem};
 pub use settings::{ContinuationError, Directions, Interrupt, MeshSettings, Settings, Stop};

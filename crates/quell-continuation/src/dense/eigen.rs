@@ -12,6 +12,8 @@ pub(crate) struct Spectrum {
     pub(crate) values: Vec<Complex64>,
     /// Their derivatives by arclength; NaN where unknown.
     pub(crate) rates: Vec<Complex64>,
+    /// Error bar of multipliers.
+    pub(crate) error: f64,
 }
 
 /// Scales rows and columns by powers of two so that their norms agree (Parlett and Reinsch 1969).

@@ -128,7 +128,7 @@ impl Manifold for Equilibria<'_> {
             *d = (*d - o) / (2.0 * h);
         }
         let rates = values.iter().map(|v| rate(n, &self.jacobian, &difference, *v)).collect();
-        Spectrum { values, rates }
+        Spectrum { values, rates, error: 0.0 }
     }
 
     fn distance(&self, value: Complex64) -> f64 {

@@ -9,6 +9,7 @@ use num_complex::Complex64;
 use super::correct::Corrector;
 use super::matching::assign;
 use super::{Failure, Found, Label, Located, Manifold, Node, Trigger, inner};
+use crate::dense::Spectrum;
 use crate::kind::{Certainty, Kind};
 
 /// The part of a branch between two points, along the chord.
@@ -204,7 +205,9 @@ impl Corrector<'_> {
         let length = part.length;
         let scale = whole.length * fraction / length;
         let place = |s: f64| start + s * scale;
-        let pairs = assign(&a.spectrum, &b.spectrum, length);
+        let ahead = |i: usize| a.spectrum.values[i] + rate(&a.spectrum, i) * (0.5 * length / part.slopes[0]);
+        let back = |j: usize| b.spectrum.values[j] - rate(&b.spectrum, j) * (0.5 * length / part.slopes[1]);
+        let pairs = assign(&a.spectrum, &b.spectrum, |i, j| m.gap(ahead(i), back(j)));
         let mut divide = false;
         let mut found: Vec<(Follow, Bracket, bool)> = Vec::new();
         for pair in &pairs {
@@ -213,6 +216,10 @@ impl Corrector<'_> {
             let crosses = (fa > 0.0) != (fb > 0.0);
             let near = fa.abs().min(fb.abs()) < 4.0 * (va - vb).norm();
             if crosses && ((va.im == 0.0) != (vb.im == 0.0) || pair.ambiguous) {
+                divide = true;
+            }
+            let gap = m.gap(va, vb);
+            if gap > m.longest_gap() && fa.abs().min(fb.abs()) < 2.0 * gap && (fraction > 8.0 * division || crosses) {
                 divide = true;
             }
             if va.im < 0.0 || va.im == 0.0 && vb.im < 0.0 {
@@ -326,6 +333,11 @@ fn extremum(f0: f64, f1: f64, r0: f64, r1: f64) -> (f64, f64) {
     (least, ends - least)
 }
 
+/// The derivative of eigenvalue i, or zero where unknown.
+fn rate(s: &Spectrum, i: usize) -> Complex64 {
+    s.rates.get(i).copied().filter(|r| r.re.is_finite() && r.im.is_finite()).unwrap_or_default()
+}
+
 fn nearest(values: &[Complex64], near: Complex64) -> Option<usize> {
     (0..values.len()).min_by(|i, j| (values[*i] - near).norm().total_cmp(&(values[*j] - near).norm()))
 }
@@ -392,9 +404,18 @@ fn label<M: Manifold>(
             }
         }
         at = Some(zero.s);
+        let mut node = zero.node;
+        if matches!(label.kind, Kind::BranchPoint | Kind::CycleBranchPoint) {
+            // Where branches cross the tangent itself is ill determined.
+            let chord: Vec<f64> = b.z.iter().zip(&a.z).map(|(b, a)| b - a).collect();
+            let x = (zero.s / inner(m.weights(), &chord, &chord).sqrt()).clamp(0.0, 1.0);
+            let mean: Vec<f64> = a.tangent.iter().zip(&b.tangent).map(|(a, b)| a + x * (b - a)).collect();
+            let size = inner(m.weights(), &mean, &mean).sqrt();
+            node.tangent = mean.iter().map(|t| t / size).collect();
+        }
         out.push(Located {
             label,
-            node: zero.node,
+            node,
             before: was,
             after: count,
             certainty: zero.certainty,
@@ -409,7 +430,7 @@ fn label<M: Manifold>(
 /// Whether the eigenvalue that is v on the axis is unstable at b.
 fn rises<M: Manifold>(m: &M, a: &Node, b: &Node, v: Complex64) -> bool {
     // The pair that changes side and lies nearest to v decides.
-    let pairs = assign(&a.spectrum, &b.spectrum, 0.0);
+    let pairs = assign(&a.spectrum, &b.spectrum, |i, j| m.gap(a.spectrum.values[i], b.spectrum.values[j]));
     let mut best = (f64::INFINITY, true);
     for p in pairs {
         let (x, y) = (a.spectrum.values[p.from], b.spectrum.values[p.to]);

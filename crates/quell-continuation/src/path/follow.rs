@@ -94,7 +94,7 @@ pub(crate) fn follow_both<M: Manifold>(
             (corrector.node(m, z, &row)?, true)
         }
     };
-    let forward = if settings.directions == Directions::Backward {
+    let forward = if settings.directions == Directions::Backward && !along {
         empty(&node, Stop::NotAsked)
     } else {
         follow(m, settings, node.clone())
@@ -126,14 +126,13 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
     let mut a = start;
     let mut previous: Option<(Vec<f64>, f64)> = None;
     let mut step = settings.initial_step;
-    let parameters = m.parameters();
     let mut current = true;
     while trace.nodes.len() < settings.maximum_points {
         if settings.interrupt.as_ref().is_some_and(crate::settings::Interrupt::is_raised) {
             trace.stop = Stop::Interrupted;
             return trace;
         }
-        // Close to a bound the step ends on it.
+        let parameters = m.parameters();
         let row: Vec<f64> = a.tangent.iter().zip(m.weights()).map(|(t, w)| t * w).collect();
         let origin: f64 = row.iter().zip(&a.z).map(|(r, z)| r * z).sum();
         let mut z: Vec<f64> = a.z.iter().zip(&a.tangent).map(|(z, t)| z + step * t).collect();

@@ -1,7 +1,5 @@
 //! Which eigenvalue of one point becomes which of the next.
 
-use num_complex::Complex64;
-
 use crate::dense::Spectrum;
 
 /// A pair of matched eigenvalues.
@@ -13,27 +11,13 @@ pub(crate) struct Pair {
     pub(crate) ambiguous: bool,
 }
 
-fn rate(s: &Spectrum, i: usize) -> Complex64 {
-    match s.rates.get(i) {
-        Some(r) if r.re.is_finite() && r.im.is_finite() => *r,
-        _ => Complex64::default(),
-    }
-}
-
-/// Distance between eigenvalue i carried half a step forwards and j carried half a step back.
-fn cost(a: &Spectrum, i: usize, b: &Spectrum, j: usize, length: f64) -> f64 {
-    let ahead = a.values[i] + rate(a, i) * (0.5 * length);
-    let back = b.values[j] - rate(b, j) * (0.5 * length);
-    (ahead - back).norm()
-}
-
-/// Matches by repeatedly joining the closest pair (both spectra are small).
-pub(crate) fn assign(a: &Spectrum, b: &Spectrum, length: f64) -> Vec<Pair> {
+/// Matches by repeatedly joining the pair (i, j) of least cost (both spectra are small).
+pub(crate) fn assign(a: &Spectrum, b: &Spectrum, cost: impl Fn(usize, usize) -> f64) -> Vec<Pair> {
     let n = a.values.len().min(b.values.len());
     let mut costs: Vec<(f64, usize, usize)> = Vec::with_capacity(n * n);
     for i in 0..a.values.len() {
         for j in 0..b.values.len() {
-            costs.push((cost(a, i, b, j, length), i, j));
+            costs.push((cost(i, j), i, j));
         }
     }
     costs.sort_by(|x, y| x.0.total_cmp(&y.0));

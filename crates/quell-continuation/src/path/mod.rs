@@ -50,6 +50,14 @@ pub(crate) trait Manifold {
     fn spectrum(&mut self, z: &[f64], tangent: &[f64]) -> Spectrum;
     /// Signed distance of an eigenvalue from stability: positive is unstable.
     fn distance(&self, value: Complex64) -> f64;
+    /// How far two eigenvalues are apart, in the coordinate in which they move smoothly.
+    fn gap(&self, a: Complex64, b: Complex64) -> f64 {
+        (a - b).norm()
+    }
+    /// A gap between matched eigenvalues beyond which a step is too long to say how one became the other.
+    fn longest_gap(&self) -> f64 {
+        f64::INFINITY
+    }
     /// Derivative of the distance.
     fn distance_rate(&self, value: Complex64, rate: Complex64) -> f64;
     /// Test functions whose simple zeros are special points.
