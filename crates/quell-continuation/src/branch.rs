@@ -119,7 +119,7 @@ pub(crate) fn assemble<M: Manifold, S>(
     let mut points: Vec<Point<S>> = backward.nodes.iter().rev().map(point).collect();
     points.extend(forward.nodes.iter().skip(1).map(point));
     let mut out: Vec<Special<S>> =
-        backward.located.iter().rev().map(|l| special(l, offset - l.index - 1, true)).collect();
+        backward.located.iter().rev().map(|l| special(l, offset.saturating_sub(l.index + 1), true)).collect();
     out.extend(forward.located.iter().map(|l| special(l, offset + l.index, false)));
     let mut numbers: HashMap<&'static str, usize> = HashMap::new();
     for s in &mut out {

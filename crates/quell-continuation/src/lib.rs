@@ -15,6 +15,9 @@ mod problem;
 mod settings;
 
 pub use branch::{Branch, Equilibrium, Point, Special};
+pub use curve::{
+    CriticalEquilibrium, CriticalOrbit, cycle_curve, fold_curve, fold_from_generalised_hopf, hopf_curve, torus_from_hopf_hopf,
+};
 pub use equilibrium::{equilibria, equilibria_across};
 pub use kind::{Certainty, Kind};
 pub use monitor::{Monitor, View};

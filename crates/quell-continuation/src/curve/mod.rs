@@ -1,5 +1,12 @@
 //! Curves of special points in two parameters.
 
+mod cycle;
+mod equilibrium;
+mod variation;
+
+pub use cycle::{CriticalOrbit, cycle_curve, fold_from_generalised_hopf, torus_from_hopf_hopf};
+pub use equilibrium::{CriticalEquilibrium, fold_curve, hopf_curve};
+
 use crate::dense::{Lu, norm};
 use crate::orbit::collocation::Collocation;
 

@@ -1,6 +1,7 @@
 //! Branches of equilibria f(x, p) = 0.
 
 mod manifold;
+pub(crate) use manifold::rate;
 pub(crate) mod normal;
 
 use manifold::Equilibria;

@@ -119,3 +119,43 @@ pub(crate) fn fold(problem: &dyn Problem, x: &[f64], p: &[f64], q: &[f64], w: &[
     let mut out = vec![0.0; x.len()];
     problem.second(0.0, x, p, q, q, &mut out).then(|| 0.5 * dot(w, &out) / dot(w, q))
 }
+
+/// Coefficients a and b of a Bogdanov-Takens point, normalised as its curve's documentation states.
+pub(crate) fn bogdanov_takens(problem: &dyn Problem, x: &[f64], p: &[f64], a: &[f64]) -> Option<Vec<f64>> {
+    let n = x.len();
+    let zero = C::default();
+    let real = |v: Vec<C>| v.iter().map(|c| c.re).collect::<Vec<f64>>();
+    let q0 = real(eigenvector(n, a, zero));
+    let p1 = real(left_eigenvector(n, a, zero));
+    // [A, p1; q0ᵀ, 0] solves for the generalised vectors.
+    let size = n + 1;
+    let mut matrix = vec![0.0; size * size];
+    for i in 0..n {
+        matrix[i * size..i * size + n].copy_from_slice(&a[i * n..(i + 1) * n]);
+        matrix[i * size + n] = p1[i];
+        matrix[n * size + i] = q0[i];
+    }
+    let lu = Lu::of(size, &matrix);
+    let mut q1 = q0.clone();
+    q1.push(0.0);
+    lu.solve(&mut q1);
+    q1.truncate(n);
+    let mut p0 = p1.clone();
+    p0.push(0.0);
+    lu.solve_transposed(&mut p0);
+    p0.truncate(n);
+    // ⟨p1, q1⟩ = ⟨p0, q0⟩ holds; scale both to one and make ⟨p0, q1⟩ vanish.
+    let scale = dot(&p1, &q1);
+    let p1: Vec<f64> = p1.iter().map(|x| x / scale).collect();
+    let mut p0: Vec<f64> = p0.iter().map(|x| x / scale).collect();
+    let off = dot(&p0, &q1);
+    for (a, b) in p0.iter_mut().zip(&p1) {
+        *a -= off * b;
+    }
+    let mut b00 = vec![0.0; n];
+    let mut b01 = vec![0.0; n];
+    if !(problem.second(0.0, x, p, &q0, &q0, &mut b00) && problem.second(0.0, x, p, &q0, &q1, &mut b01)) {
+        return None;
+    }
+    Some(vec![0.5 * dot(&p1, &b00), dot(&p0, &b00) + dot(&p1, &b01)])
+}

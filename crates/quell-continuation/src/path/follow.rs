@@ -216,6 +216,10 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
             }
         }
         if let Some(stop) = ended {
+            // The branch ends on the point itself.
+            if let Some(last) = trace.located.last() {
+                trace.nodes.push(last.node.clone());
+            }
             trace.stop = stop;
             return trace;
         }

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod curves;
 mod cycles;
 mod equilibria;
 
