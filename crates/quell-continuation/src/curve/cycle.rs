@@ -13,7 +13,7 @@ use crate::kind::Kind;
 use crate::orbit::bordered::{Bordered, Row};
 use crate::orbit::collocation::Collocation;
 use crate::orbit::manifold::orbit;
-use crate::orbit::{Orbit, mesh, small_cycle, unpack};
+use crate::orbit::{Orbit, floquet, mesh, small_cycle, unpack};
 use crate::path::{Failure, Found, Label, Manifold, Node, Start, Trigger, follow_both};
 use crate::problem::Problem;
 use crate::settings::{ContinuationError, Settings, Stop};
@@ -378,8 +378,20 @@ impl Manifold for Curves<'_> {
         }
     }
 
-    fn spectrum(&mut self, _z: &[f64], _tangent: &[f64]) -> Spectrum {
-        Spectrum::default()
+    /// The multipliers that are not on the unit circle by construction.
+    fn spectrum(&mut self, z: &[f64], _tangent: &[f64]) -> Spectrum {
+        let found = floquet::multipliers(&self.c, z).unwrap_or_default();
+        let mut values = found.values;
+        let mu = self.multiplier(z);
+        for target in [mu, mu.conj()].iter().take(if self.torus() { 2 } else { 1 }) {
+            let nearest = (0..values.len())
+                .min_by(|i, j| (values[*i] - target).norm().total_cmp(&(values[*j] - target).norm()));
+            if let Some(i) = nearest {
+                values.remove(i);
+            }
+        }
+        let rates = vec![C::new(f64::NAN, f64::NAN); values.len()];
+        Spectrum { values, rates, error: found.error }
     }
 
     fn distance(&self, value: Complex64) -> f64 {
