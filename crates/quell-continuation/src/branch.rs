@@ -106,11 +106,20 @@ pub(crate) fn assemble<M: Manifold, S>(
         kind: l.label.kind,
         certainty: l.certainty,
         solution: convert(&l.node),
-        tangent: l.node.tangent.iter().map(|t| if reversed { -t } else { *t }).collect(),
+        tangent: l
+            .node
+            .tangent
+            .iter()
+            .map(|t| if reversed { -t } else { *t })
+            .collect(),
         omega: l.label.omega,
         second_omega: l.label.second_omega,
         normal_form: l.label.normal_form.clone(),
-        unstable: if reversed { [l.after, l.before] } else { [l.before, l.after] },
+        unstable: if reversed {
+            [l.after, l.before]
+        } else {
+            [l.before, l.after]
+        },
         spectrum: l.node.spectrum.values.clone(),
         error: l.error,
         after,
@@ -118,9 +127,18 @@ pub(crate) fn assemble<M: Manifold, S>(
     let offset = backward.nodes.len() - 1;
     let mut points: Vec<Point<S>> = backward.nodes.iter().rev().map(point).collect();
     points.extend(forward.nodes.iter().skip(1).map(point));
-    let mut out: Vec<Special<S>> =
-        backward.located.iter().rev().map(|l| special(l, offset.saturating_sub(l.index + 1), true)).collect();
-    out.extend(forward.located.iter().map(|l| special(l, offset + l.index, false)));
+    let mut out: Vec<Special<S>> = backward
+        .located
+        .iter()
+        .rev()
+        .map(|l| special(l, offset.saturating_sub(l.index + 1), true))
+        .collect();
+    out.extend(
+        forward
+            .located
+            .iter()
+            .map(|l| special(l, offset + l.index, false)),
+    );
     let mut numbers: HashMap<&'static str, usize> = HashMap::new();
     for s in &mut out {
         let number = numbers.entry(s.kind.code()).or_insert(0);
@@ -129,5 +147,11 @@ pub(crate) fn assemble<M: Manifold, S>(
     }
     let mut at: Vec<Point<S>> = backward.at.iter().rev().map(|(_, n)| point(n)).collect();
     at.extend(forward.at.iter().map(|(_, n)| point(n)));
-    Branch { points, special: out, at, stop: [backward.stop, forward.stop], approximate }
+    Branch {
+        points,
+        special: out,
+        at,
+        stop: [backward.stop, forward.stop],
+        approximate,
+    }
 }

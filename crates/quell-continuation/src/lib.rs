@@ -6,6 +6,7 @@
 mod branch;
 mod curve;
 mod dense;
+mod diagram;
 mod equilibrium;
 mod kind;
 mod monitor;
@@ -16,13 +17,16 @@ mod settings;
 
 pub use branch::{Branch, Equilibrium, Point, Special};
 pub use curve::{
-    CriticalEquilibrium, CriticalOrbit, cycle_curve, fold_curve, fold_from_generalised_hopf, hopf_curve, torus_from_hopf_hopf,
+    CriticalEquilibrium, CriticalOrbit, cycle_curve, fold_curve, fold_from_generalised_hopf,
+    hopf_curve, torus_from_hopf_hopf,
 };
+pub use diagram::{Diagram, DiagramSettings, Member, diagram};
 pub use equilibrium::{equilibria, equilibria_across};
 pub use kind::{Certainty, Kind};
 pub use monitor::{Monitor, View};
 pub use orbit::{
-    Orbit, Samples, cycles_across, cycles_doubled, cycles_from_hopf, cycles_from_orbit, cycles_from_pair, cycles_from_samples,
+    Orbit, Samples, cycles_across, cycles_doubled, cycles_from_hopf, cycles_from_orbit,
+    cycles_from_pair, cycles_from_samples,
 };
 pub use problem::{Closure, Problem};
 pub use settings::{ContinuationError, Directions, Interrupt, MeshSettings, Settings, Stop};

@@ -29,7 +29,10 @@ pub struct Monitor {
 impl Monitor {
     /// Watches a function.
     pub fn new(watch: impl Fn(&View<'_>) -> f64 + Send + Sync + 'static) -> Self {
-        Self { watch: Arc::new(watch), stops: false }
+        Self {
+            watch: Arc::new(watch),
+            stops: false,
+        }
     }
 
     /// Ends the branch at its first zero.
@@ -46,6 +49,8 @@ impl Monitor {
 
 impl fmt::Debug for Monitor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Monitor").field("stops", &self.stops).finish_non_exhaustive()
+        f.debug_struct("Monitor")
+            .field("stops", &self.stops)
+            .finish_non_exhaustive()
     }
 }

@@ -40,13 +40,30 @@ pub trait Problem: Sync {
 
     /// D²f\[u, v\] = Σ ∂²f/∂`x_i`∂`x_j` `u_i` `v_j`, exact. False (and nothing written) where not available: branches are then
     /// computed without normal forms.
-    fn second(&self, _t: f64, _x: &[f64], _p: &[f64], _u: &[f64], _v: &[f64], _out: &mut [f64]) -> bool {
+    fn second(
+        &self,
+        _t: f64,
+        _x: &[f64],
+        _p: &[f64],
+        _u: &[f64],
+        _v: &[f64],
+        _out: &mut [f64],
+    ) -> bool {
         false
     }
 
     /// D³f\[u, v, w\], exact. False where not available.
     #[allow(clippy::too_many_arguments)] // one argument a symbol of the formula
-    fn third(&self, _t: f64, _x: &[f64], _p: &[f64], _u: &[f64], _v: &[f64], _w: &[f64], _out: &mut [f64]) -> bool {
+    fn third(
+        &self,
+        _t: f64,
+        _x: &[f64],
+        _p: &[f64],
+        _u: &[f64],
+        _v: &[f64],
+        _w: &[f64],
+        _out: &mut [f64],
+    ) -> bool {
         false
     }
 
@@ -64,10 +81,21 @@ pub trait Problem: Sync {
     }
 
     /// [`value`](Self::value) and [`jacobian`](Self::jacobian) at every node.
-    fn linearisations(&self, t: &[f64], x: &[f64], p: &[f64], values: &mut [f64], jacobians: &mut [f64]) {
+    fn linearisations(
+        &self,
+        t: &[f64],
+        x: &[f64],
+        p: &[f64],
+        values: &mut [f64],
+        jacobians: &mut [f64],
+    ) {
         let n = self.states();
         self.values(t, x, p, values);
-        for ((t, x), out) in t.iter().zip(x.chunks_exact(n)).zip(jacobians.chunks_exact_mut(n * n)) {
+        for ((t, x), out) in t
+            .iter()
+            .zip(x.chunks_exact(n))
+            .zip(jacobians.chunks_exact_mut(n * n))
+        {
             self.jacobian(*t, x, p, out);
         }
     }
@@ -108,10 +136,22 @@ pub struct Closure<F> {
 impl<F: Fn(f64, &[f64], &[f64], &mut [f64]) + Sync> Closure<F> {
     /// An autonomous problem of so many states and parameters.
     pub fn new(states: usize, parameters: usize, f: F) -> Self {
-        Self { states, parameters, f }
+        Self {
+            states,
+            parameters,
+            f,
+        }
     }
 
-    fn difference(&self, t: f64, x: &[f64], p: &[f64], plus: &mut [f64], h: f64, of: &mut dyn FnMut(&mut [f64], &mut [f64], f64)) {
+    fn difference(
+        &self,
+        t: f64,
+        x: &[f64],
+        p: &[f64],
+        plus: &mut [f64],
+        h: f64,
+        of: &mut dyn FnMut(&mut [f64], &mut [f64], f64),
+    ) {
         let (mut x, mut p) = (x.to_vec(), p.to_vec());
         let mut minus = vec![0.0; plus.len()];
         of(&mut x, &mut p, h);

@@ -95,14 +95,25 @@ pub struct MeshSettings {
 
 impl Default for MeshSettings {
     fn default() -> Self {
-        Self { degree: 4, intervals: 40, bounds: (20, 400), tolerance: 1e-8, every: 3 }
+        Self {
+            degree: 4,
+            intervals: 40,
+            bounds: (20, 400),
+            tolerance: 1e-8,
+            every: 3,
+        }
     }
 }
 
 impl MeshSettings {
     /// A mesh with a fixed number of intervals whose positions still adapt.
     pub fn fixed(intervals: usize, degree: usize) -> Self {
-        Self { degree, intervals, bounds: (intervals, intervals), ..Self::default() }
+        Self {
+            degree,
+            intervals,
+            bounds: (intervals, intervals),
+            ..Self::default()
+        }
     }
 }
 
@@ -131,14 +142,21 @@ impl Settings {
     }
 
     pub(crate) fn range(&self, k: usize) -> (f64, f64) {
-        self.ranges.get(k).copied().unwrap_or((f64::NEG_INFINITY, f64::INFINITY))
+        self.ranges
+            .get(k)
+            .copied()
+            .unwrap_or((f64::NEG_INFINITY, f64::INFINITY))
     }
 
     /// The scale of free parameter k.
     pub(crate) fn parameter_scale(&self, k: usize, value: f64) -> f64 {
         let (low, high) = self.range(k);
         let width = high - low;
-        if width.is_finite() && width > 0.0 { width } else { value.abs().max(1.0) }
+        if width.is_finite() && width > 0.0 {
+            width
+        } else {
+            value.abs().max(1.0)
+        }
     }
 }
 
@@ -187,7 +205,9 @@ pub enum ContinuationError {
         found: usize,
     },
     /// Newton did not converge from the start.
-    #[error("Newton's iteration did not converge from the given start (the last correction was {correction:.1e})")]
+    #[error(
+        "Newton's iteration did not converge from the given start (the last correction was {correction:.1e})"
+    )]
     NoConvergence {
         /// Norm of the last correction.
         correction: f64,

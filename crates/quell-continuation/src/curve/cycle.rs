@@ -50,9 +50,15 @@ pub fn cycle_curve(
         Kind::PeriodDoubling => (Mode::Doubling, std::f64::consts::PI),
         Kind::Torus => (
             Mode::Torus,
-            start.omega.ok_or(ContinuationError::Start("the torus point carries no angle"))?,
+            start
+                .omega
+                .ok_or(ContinuationError::Start("the torus point carries no angle"))?,
         ),
-        _ => return Err(ContinuationError::Start("curves start at folds, period doublings or torus points of cycles")),
+        _ => {
+            return Err(ContinuationError::Start(
+                "curves start at folds, period doublings or torus points of cycles",
+            ));
+        }
     };
     cycle_curve_from_orbit(problem, &start.solution, mode, angle, free, settings)
 }
@@ -132,16 +138,30 @@ fn small_curve(
     let mut m = Curves::new(c, mode, settings);
     m.rescale(&z);
     let size = crate::path::inner(m.weights(), &direction, &direction).sqrt();
-    let off: Vec<f64> = z.iter().zip(&direction).map(|(z, d)| z + settings.initial_step * d / size).collect();
+    let off: Vec<f64> = z
+        .iter()
+        .zip(&direction)
+        .map(|(z, d)| z + settings.initial_step * d / size)
+        .collect();
     m.accept(&off);
     m.begin(&off)?;
-    run(&mut m, settings, Start::Along(z, direction, settings.initial_step))
+    run(
+        &mut m,
+        settings,
+        Start::Along(z, direction, settings.initial_step),
+    )
 }
 
-fn run(m: &mut Curves<'_>, settings: &Settings, start: Start) -> Result<Branch<CriticalOrbit>, ContinuationError> {
+fn run(
+    m: &mut Curves<'_>,
+    settings: &Settings,
+    start: Start,
+) -> Result<Branch<CriticalOrbit>, ContinuationError> {
     let (forward, backward) = follow_both(m, settings, start)?;
     let approximate = m.c.problem.is_approximate();
-    Ok(assemble(m, forward, backward, approximate, |node| m.solution(node)))
+    Ok(assemble(m, forward, backward, approximate, |node| {
+        m.solution(node)
+    }))
 }
 
 struct Curves<'a> {
@@ -211,12 +231,17 @@ impl<'a> Curves<'a> {
 
     fn solution(&self, node: &Node) -> CriticalOrbit {
         CriticalOrbit {
-            orbit: orbit(&self.c, &self.strip_with(&node.z, node.mesh.len()), &node.mesh),
+            orbit: orbit(
+                &self.c,
+                &self.strip_with(&node.z, node.mesh.len()),
+                &node.mesh,
+            ),
             angle: match self.mode {
                 Mode::Fold => 0.0,
                 Mode::Doubling => std::f64::consts::PI,
                 Mode::Torus => {
-                    node.z[(node.mesh.len() - 1) * self.c.rule.m * self.c.n + usize::from(self.c.autonomous)]
+                    node.z[(node.mesh.len() - 1) * self.c.rule.m * self.c.n
+                        + usize::from(self.c.autonomous)]
                 }
             },
         }
@@ -237,9 +262,14 @@ impl<'a> Curves<'a> {
         }
         let (mut inner, mut mids) = (Vec::new(), Vec::new());
         let mut row = vec![0.0; 2 * self.c.n];
-        self.c.condensed.reduce_row(&self.phase.nodes, &mut inner, &mut mids, &mut row);
+        self.c
+            .condensed
+            .reduce_row(&self.phase.nodes, &mut inner, &mut mids, &mut row);
         let (data, column_mids, _) = self.bordered.column(0);
-        let corner = -self.c.condensed.eliminated(&inner, &mids, data, column_mids);
+        let corner = -self
+            .c
+            .condensed
+            .eliminated(&inner, &mids, data, column_mids);
         Some((row, corner, inner, mids))
     }
 
@@ -263,7 +293,12 @@ impl<'a> Curves<'a> {
         self.linearise(z)?;
         let phase = self.reduced_phase();
         let mu = self.multiplier(z);
-        self.variation.begin(&self.c, &self.bordered, mu, phase.as_ref().map(|p| (&p.0[..], p.1)));
+        self.variation.begin(
+            &self.c,
+            &self.bordered,
+            mu,
+            phase.as_ref().map(|p| (&p.0[..], p.1)),
+        );
         Ok(())
     }
 
@@ -273,9 +308,15 @@ impl<'a> Curves<'a> {
         let mut ends = g.ends.clone();
         if self.torus() {
             let rate = self.variation.by_multiplier * C::i() * self.multiplier(z);
-            ends.insert(usize::from(self.c.autonomous), if part == 0 { rate.re } else { rate.im });
+            ends.insert(
+                usize::from(self.c.autonomous),
+                if part == 0 { rate.re } else { rate.im },
+            );
         }
-        Row { nodes: g.nodes.clone(), ends }
+        Row {
+            nodes: g.nodes.clone(),
+            ends,
+        }
     }
 }
 
@@ -334,9 +375,16 @@ impl Manifold for Curves<'_> {
         if self.torus() {
             rows.push(self.gradient(&z, 1));
         }
-        rows.push(Row { nodes: row[..nodes].to_vec(), ends: row[nodes..].to_vec() });
+        rows.push(Row {
+            nodes: row[..nodes].to_vec(),
+            ends: row[nodes..].to_vec(),
+        });
         let rows: Vec<&Row> = rows.iter().collect();
-        if self.bordered.rows(&self.c.condensed, &rows) { Ok(()) } else { Err(Failure::NotFinite) }
+        if self.bordered.rows(&self.c.condensed, &rows) {
+            Ok(())
+        } else {
+            Err(Failure::NotFinite)
+        }
     }
 
     fn solve(&mut self, b: &mut [f64]) {
@@ -354,7 +402,11 @@ impl Manifold for Curves<'_> {
     fn rescale(&mut self, z: &[f64]) {
         let n = self.c.n;
         let w = self.c.weights();
-        let square: f64 = w.iter().zip(z.chunks_exact(n)).map(|(w, x)| w * dot(x, x)).sum();
+        let square: f64 = w
+            .iter()
+            .zip(z.chunks_exact(n))
+            .map(|(w, x)| w * dot(x, x))
+            .sum();
         let rms = (square / n as f64).sqrt();
         if rms.is_finite() {
             self.scale = self.scale.max(rms);
@@ -374,7 +426,8 @@ impl Manifold for Curves<'_> {
         }
         let first = self.first();
         for k in 0..2 {
-            self.weights.push(self.settings.parameter_scale(k, z[first + k]).powi(-2));
+            self.weights
+                .push(self.settings.parameter_scale(k, z[first + k]).powi(-2));
         }
     }
 
@@ -383,15 +436,25 @@ impl Manifold for Curves<'_> {
         let found = floquet::multipliers(&self.c, z).unwrap_or_default();
         let mut values = found.values;
         let mu = self.multiplier(z);
-        for target in [mu, mu.conj()].iter().take(if self.torus() { 2 } else { 1 }) {
-            let nearest = (0..values.len())
-                .min_by(|i, j| (values[*i] - target).norm().total_cmp(&(values[*j] - target).norm()));
+        for target in [mu, mu.conj()]
+            .iter()
+            .take(if self.torus() { 2 } else { 1 })
+        {
+            let nearest = (0..values.len()).min_by(|i, j| {
+                (values[*i] - target)
+                    .norm()
+                    .total_cmp(&(values[*j] - target).norm())
+            });
             if let Some(i) = nearest {
                 values.remove(i);
             }
         }
         let rates = vec![C::new(f64::NAN, f64::NAN); values.len()];
-        Spectrum { values, rates, error: found.error }
+        Spectrum {
+            values,
+            rates,
+            error: found.error,
+        }
     }
 
     fn distance(&self, value: Complex64) -> f64 {
@@ -417,14 +480,20 @@ impl Manifold for Curves<'_> {
                     row += v.gradient[0].ends[0] * v.tau;
                 }
                 // At an autonomous fold the derivative by the multiplier vanishes with the phase: only forced ones test it.
-                let resonance = if self.c.autonomous { f64::NAN } else { v.by_multiplier.re };
+                let resonance = if self.c.autonomous {
+                    f64::NAN
+                } else {
+                    v.by_multiplier.re
+                };
                 vec![row, resonance]
             }
         }
     }
 
     fn classify(&mut self, found: &Found<'_>) -> Option<Label> {
-        let Trigger::Test(k) = found.trigger else { return None };
+        let Trigger::Test(k) = found.trigger else {
+            return None;
+        };
         let kind = match (self.mode, k) {
             (Mode::Torus, 0) | (Mode::Fold, 1) => Kind::Resonance1,
             (Mode::Torus, 1) | (Mode::Doubling, 0) => Kind::Resonance2,
@@ -433,6 +502,11 @@ impl Manifold for Curves<'_> {
             (Mode::Fold, 0) => Kind::CycleCusp,
             _ => return None,
         };
+        let here = found.node.tests.get(k).copied().unwrap_or(f64::NAN).abs();
+        if !(here <= 1e-3 * (found.before.tests[k].abs() + found.after.tests[k].abs())) {
+            // A jump, not a zero.
+            return None;
+        }
         let mut label = Label::plain(kind);
         if self.torus() {
             label.omega = Some(found.node.z[self.angle_index()]);
@@ -459,11 +533,13 @@ impl Manifold for Curves<'_> {
         *tangent = new_t;
         self.c.set_mesh(new);
         self.accept(z);
+        // (The sign of w was kept on the old mesh, by time.)
         true
     }
 
     fn accept(&mut self, z: &[f64]) {
         self.variation.refresh();
+        self.variation.keep_sign(&self.c);
         if !self.c.autonomous {
             return;
         }

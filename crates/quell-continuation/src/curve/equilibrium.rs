@@ -57,7 +57,9 @@ pub fn hopf_curve(
     free: [usize; 2],
     settings: &Settings,
 ) -> Result<Branch<CriticalEquilibrium>, ContinuationError> {
-    let omega = start.omega.ok_or(ContinuationError::Start("the point carries no frequency: it is no Hopf point"))?;
+    let omega = start.omega.ok_or(ContinuationError::Start(
+        "the point carries no frequency: it is no Hopf point",
+    ))?;
     run(problem, &start.solution, Some(omega), free, settings)
 }
 
@@ -77,16 +79,25 @@ fn run(
     m.begin(&z);
     let (forward, backward) = follow_both(&mut m, settings, Start::AtParameter(z))?;
     let (parameters, hopf) = (m.parameters.clone(), m.hopf);
-    Ok(assemble(&m, forward, backward, problem.is_approximate(), |node| {
-        let mut p = parameters.clone();
-        for (k, index) in free.iter().enumerate() {
-            p[*index] = node.z[n + usize::from(hopf) + k];
-        }
-        CriticalEquilibrium {
-            equilibrium: Equilibrium { state: node.z[..n].to_vec(), parameters: p },
-            omega: if hopf { node.z[n].max(0.0).sqrt() } else { 0.0 },
-        }
-    }))
+    Ok(assemble(
+        &m,
+        forward,
+        backward,
+        problem.is_approximate(),
+        |node| {
+            let mut p = parameters.clone();
+            for (k, index) in free.iter().enumerate() {
+                p[*index] = node.z[n + usize::from(hopf) + k];
+            }
+            CriticalEquilibrium {
+                equilibrium: Equilibrium {
+                    state: node.z[..n].to_vec(),
+                    parameters: p,
+                },
+                omega: if hopf { node.z[n].max(0.0).sqrt() } else { 0.0 },
+            }
+        },
+    ))
 }
 
 struct Critical<'a> {
@@ -115,7 +126,13 @@ struct Critical<'a> {
 }
 
 impl<'a> Critical<'a> {
-    fn new(problem: &'a dyn Problem, parameters: &[f64], free: [usize; 2], hopf: bool, settings: &'a Settings) -> Self {
+    fn new(
+        problem: &'a dyn Problem,
+        parameters: &[f64],
+        free: [usize; 2],
+        hopf: bool,
+        settings: &'a Settings,
+    ) -> Self {
         let n = problem.states();
         let size = n + 2 + usize::from(hopf);
         let k = 1 + usize::from(hopf);
@@ -147,7 +164,11 @@ impl<'a> Critical<'a> {
     }
 
     fn omega(&self, z: &[f64]) -> f64 {
-        if self.hopf { z[self.n].max(0.0).sqrt() } else { 0.0 }
+        if self.hopf {
+            z[self.n].max(0.0).sqrt()
+        } else {
+            0.0
+        }
     }
 
     fn set(&mut self, z: &[f64]) {
@@ -160,7 +181,8 @@ impl<'a> Critical<'a> {
     fn begin(&mut self, z: &[f64]) {
         let n = self.n;
         self.set(z);
-        self.problem.jacobian(0.0, &z[..n], &self.parameters, &mut self.jacobian);
+        self.problem
+            .jacobian(0.0, &z[..n], &self.parameters, &mut self.jacobian);
         let value = C::new(0.0, self.omega(z));
         let parts = |x: Vec<C>| {
             let mut out = vec![x.iter().map(|c| c.re).collect::<Vec<f64>>()];
@@ -192,7 +214,11 @@ impl<'a> Critical<'a> {
             let size = dot(&x, &x).sqrt().max(1e-300);
             x.iter().map(|x| x / size).collect()
         };
-        self.forms = if self.hopf { vec![unit(image), unit(identity)] } else { vec![vec![1.0]] };
+        self.forms = if self.hopf {
+            vec![unit(image), unit(identity)]
+        } else {
+            vec![vec![1.0]]
+        };
     }
 
     /// v, w, g and its derivatives at the Jacobian at hand.
@@ -243,7 +269,11 @@ impl<'a> Critical<'a> {
             *g = dot(form, &entries);
         }
         self.differentiate(z);
-        self.v.iter().chain(&self.w).flatten().all(|x| x.is_finite())
+        self.v
+            .iter()
+            .chain(&self.w)
+            .flatten()
+            .all(|x| x.is_finite())
     }
 
     /// ∂G_ij = -w_iᵀ ∂M v_j by central differences of exact first derivatives along v_j and A v_j.
@@ -268,7 +298,9 @@ impl<'a> Critical<'a> {
                         if !transposed {
                             return a;
                         }
-                        (0..n).map(|c| (0..n).map(|r| a[r] * self.jacobian[r * n + c]).sum()).collect()
+                        (0..n)
+                            .map(|c| (0..n).map(|r| a[r] * self.jacobian[r * n + c]).sum())
+                            .collect()
                     })
                     .collect()
             };
@@ -291,7 +323,8 @@ impl<'a> Critical<'a> {
                 let down: Vec<f64> = (0..n).map(|i| z[i] - h * direction[i]).collect();
                 let (mut plus, mut minus) = (vec![0.0; n * n], vec![0.0; n * n]);
                 self.problem.jacobian(0.0, &up, &self.parameters, &mut plus);
-                self.problem.jacobian(0.0, &down, &self.parameters, &mut minus);
+                self.problem
+                    .jacobian(0.0, &down, &self.parameters, &mut minus);
                 for (g, a) in gradient.iter_mut().zip(&lefts) {
                     for i in 0..n {
                         for j in 0..n {
@@ -300,8 +333,20 @@ impl<'a> Critical<'a> {
                     }
                 }
                 for k in 0..2 {
-                    self.problem.parameter_derivative(0.0, &up, &self.parameters, self.free[k], &mut plus[..n]);
-                    self.problem.parameter_derivative(0.0, &down, &self.parameters, self.free[k], &mut minus[..n]);
+                    self.problem.parameter_derivative(
+                        0.0,
+                        &up,
+                        &self.parameters,
+                        self.free[k],
+                        &mut plus[..n],
+                    );
+                    self.problem.parameter_derivative(
+                        0.0,
+                        &down,
+                        &self.parameters,
+                        self.free[k],
+                        &mut minus[..n],
+                    );
                     for (g, a) in gradient.iter_mut().zip(&lefts) {
                         for i in 0..n {
                             g[first + k] -= a[i] * (plus[i] - minus[i]) / (2.0 * h);
@@ -354,18 +399,30 @@ impl Manifold for Critical<'_> {
     fn residual(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         let n = self.n;
         self.set(z);
-        self.problem.value(0.0, &z[..n], &self.parameters, &mut out[..n]);
+        self.problem
+            .value(0.0, &z[..n], &self.parameters, &mut out[..n]);
         // g is that of the factorisation, which is always at this z.
         out[n..=n + usize::from(self.hopf)].copy_from_slice(&self.g);
-        if out[..self.equations()].iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Failure::NotFinite) }
+        if out[..self.equations()].iter().all(|x| x.is_finite()) {
+            Ok(())
+        } else {
+            Err(Failure::NotFinite)
+        }
     }
 
     fn factor(&mut self, z: &[f64]) -> Result<(), Failure> {
         let n = self.n;
         self.set(z);
-        self.problem.jacobian(0.0, &z[..n], &self.parameters, &mut self.jacobian);
+        self.problem
+            .jacobian(0.0, &z[..n], &self.parameters, &mut self.jacobian);
         for k in 0..2 {
-            self.problem.parameter_derivative(0.0, &z[..n], &self.parameters, self.free[k], &mut self.columns[k]);
+            self.problem.parameter_derivative(
+                0.0,
+                &z[..n],
+                &self.parameters,
+                self.free[k],
+                &mut self.columns[k],
+            );
         }
         if !self.bordered(z) {
             return Err(Failure::NotFinite);
@@ -389,7 +446,11 @@ impl Manifold for Critical<'_> {
             self.matrix[(n + k) * size..(n + k + 1) * size].copy_from_slice(gradient);
         }
         self.matrix[(size - 1) * size..].copy_from_slice(row);
-        if self.lu.factor(size, &self.matrix) { Ok(()) } else { Err(Failure::NotFinite) }
+        if self.lu.factor(size, &self.matrix) {
+            Ok(())
+        } else {
+            Err(Failure::NotFinite)
+        }
     }
 
     fn solve(&mut self, b: &mut [f64]) {
@@ -433,11 +494,19 @@ impl Manifold for Critical<'_> {
     fn spectrum(&mut self, z: &[f64], tangent: &[f64]) -> Spectrum {
         let n = self.n;
         let omega = self.omega(z);
-        let Some(mut values) = eigenvalues(n, &self.jacobian) else { return Spectrum::default() };
+        let Some(mut values) = eigenvalues(n, &self.jacobian) else {
+            return Spectrum::default();
+        };
         // The critical ones are left out.
-        for target in [C::new(0.0, omega), C::new(0.0, -omega)].iter().take(if self.hopf { 2 } else { 1 }) {
-            let nearest = (0..values.len())
-                .min_by(|i, j| (values[*i] - target).norm().total_cmp(&(values[*j] - target).norm()));
+        for target in [C::new(0.0, omega), C::new(0.0, -omega)]
+            .iter()
+            .take(if self.hopf { 2 } else { 1 })
+        {
+            let nearest = (0..values.len()).min_by(|i, j| {
+                (values[*i] - target)
+                    .norm()
+                    .total_cmp(&(values[*j] - target).norm())
+            });
             if let Some(i) = nearest {
                 values.remove(i);
             }
@@ -445,16 +514,28 @@ impl Manifold for Critical<'_> {
         let h = 1e-5;
         let (mut plus, mut minus) = (vec![0.0; n * n], vec![0.0; n * n]);
         for (sign, out) in [(1.0, &mut plus), (-1.0, &mut minus)] {
-            let moved: Vec<f64> = z.iter().zip(tangent).map(|(z, t)| z + sign * h * t).collect();
+            let moved: Vec<f64> = z
+                .iter()
+                .zip(tangent)
+                .map(|(z, t)| z + sign * h * t)
+                .collect();
             self.set(&moved);
-            self.problem.jacobian(0.0, &moved[..n], &self.parameters, out);
+            self.problem
+                .jacobian(0.0, &moved[..n], &self.parameters, out);
         }
         self.set(z);
         for (p, m) in plus.iter_mut().zip(&minus) {
             *p = (*p - m) / (2.0 * h);
         }
-        let rates = values.iter().map(|v| rate(n, &self.jacobian, &plus, *v)).collect();
-        Spectrum { values, rates, error: 0.0 }
+        let rates = values
+            .iter()
+            .map(|v| rate(n, &self.jacobian, &plus, *v))
+            .collect();
+        Spectrum {
+            values,
+            rates,
+            error: 0.0,
+        }
     }
 
     fn distance(&self, value: Complex64) -> f64 {
@@ -470,7 +551,13 @@ impl Manifold for Critical<'_> {
         if self.hopf {
             let omega = self.omega(z);
             let l1 = if omega > 0.0 {
-                normal::hopf(self.problem, &z[..n], &self.parameters, &self.jacobian, omega)
+                normal::hopf(
+                    self.problem,
+                    &z[..n],
+                    &self.parameters,
+                    &self.jacobian,
+                    omega,
+                )
             } else {
                 None
             };
@@ -490,8 +577,13 @@ impl Manifold for Critical<'_> {
                 let mut label = Label::plain(Kind::BogdanovTakens);
                 if !self.hopf {
                     self.factor(z).ok()?;
-                    label.normal_form = normal::bogdanov_takens(self.problem, &z[..n], &self.parameters, &self.jacobian)
-                        .unwrap_or_default();
+                    label.normal_form = normal::bogdanov_takens(
+                        self.problem,
+                        &z[..n],
+                        &self.parameters,
+                        &self.jacobian,
+                    )
+                    .unwrap_or_default();
                 }
                 Some(label)
             }
@@ -502,7 +594,11 @@ impl Manifold for Critical<'_> {
                     return None;
                 }
                 Some(Label {
-                    kind: if self.hopf { Kind::GeneralisedHopf } else { Kind::Cusp },
+                    kind: if self.hopf {
+                        Kind::GeneralisedHopf
+                    } else {
+                        Kind::Cusp
+                    },
                     omega: self.hopf.then(|| self.omega(z)),
                     second_omega: None,
                     normal_form: Vec::new(),
@@ -519,9 +615,15 @@ impl Manifold for Critical<'_> {
                     }),
                     (true, false) => {
                         // At a Bogdanov-Takens point ω vanishes too, and its own test names it.
-                        (z[n] > 1e-8).then(|| Label { omega: Some(self.omega(z)), ..Label::plain(Kind::ZeroHopf) })
+                        (z[n] > 1e-8).then(|| Label {
+                            omega: Some(self.omega(z)),
+                            ..Label::plain(Kind::ZeroHopf)
+                        })
                     }
-                    (false, true) => Some(Label { omega: Some(v.im.abs()), ..Label::plain(Kind::ZeroHopf) }),
+                    (false, true) => Some(Label {
+                        omega: Some(v.im.abs()),
+                        ..Label::plain(Kind::ZeroHopf)
+                    }),
                     (false, false) => None,
                 }
             }

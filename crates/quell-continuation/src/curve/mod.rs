@@ -13,7 +13,13 @@ use crate::orbit::collocation::Collocation;
 /// The null function with x(1) = -x(0) at the linearisation at hand, of unit length at its start.
 pub(crate) fn antiperiodic(c: &Collocation<'_>) -> Option<Vec<f64>> {
     let n = c.n;
-    let matrix: Vec<f64> = c.condensed.a.iter().zip(&c.condensed.b).map(|(a, b)| a - b).collect();
+    let matrix: Vec<f64> = c
+        .condensed
+        .a
+        .iter()
+        .zip(&c.condensed.b)
+        .map(|(a, b)| a - b)
+        .collect();
     let lu = Lu::of(n, &matrix);
     let mut x: Vec<f64> = (0..n).map(|i| 1.0 + 0.3 * (i as f64).sin()).collect();
     for _ in 0..3 {

@@ -39,11 +39,18 @@ pub(crate) struct Variation {
     pub(crate) gradient: [Row; 2],
     /// ∂g/∂μ.
     pub(crate) by_multiplier: C,
+    /// Re w at the times of the last accepted point: (τ, w per equation of the Gauss point), which fixes the sign.
+    reference: Vec<(f64, Vec<f64>)>,
 }
 
 impl Variation {
     /// The reduced matrix; `phase` is the reduced phase row (on `x_0` and `x_N`) and its entry for the period.
-    fn reduced(c: &Collocation<'_>, bordered: &Bordered, mu: C, phase: Option<(&[f64], f64)>) -> (usize, Vec<C>) {
+    fn reduced(
+        c: &Collocation<'_>,
+        bordered: &Bordered,
+        mu: C,
+        phase: Option<(&[f64], f64)>,
+    ) -> (usize, Vec<C>) {
         let n = c.n;
         let size = n + usize::from(phase.is_some());
         let mut matrix = vec![C::default(); size * size];
@@ -64,10 +71,18 @@ impl Variation {
     }
 
     /// Border vectors by inverse iteration.
-    pub(crate) fn begin(&mut self, c: &Collocation<'_>, bordered: &Bordered, mu: C, phase: Option<(&[f64], f64)>) {
+    pub(crate) fn begin(
+        &mut self,
+        c: &Collocation<'_>,
+        bordered: &Bordered,
+        mu: C,
+        phase: Option<(&[f64], f64)>,
+    ) {
         let (size, matrix) = Self::reduced(c, bordered, mu, phase);
         let lu = Lu::of(size, &matrix);
-        let start: Vec<C> = (0..size).map(|i| C::new(1.0 + 0.3 * (i as f64).sin(), 0.2 * (1.0 + i as f64).cos())).collect();
+        let start: Vec<C> = (0..size)
+            .map(|i| C::new(1.0 + 0.3 * (i as f64).sin(), 0.2 * (1.0 + i as f64).cos()))
+            .collect();
         // Singular vectors: (Rᴴ R)⁻¹ and (R Rᴴ)⁻¹ alternately.
         let (mut right, mut left) = (start.clone(), start);
         for _ in 0..3 {
@@ -93,9 +108,51 @@ impl Variation {
         }
         self.c = self.v0.clone();
         unit(&mut self.c);
-        self.b = self.w0.clone();
-        conjugate(&mut self.b);
-        unit(&mut self.b);
+    }
+
+    /// Keeps w at an accepted point. The reduced equations are combinations that change from one factorisation to the next,
+    /// so only w on the collocation equations themselves has a sign that can be continued.
+    pub(crate) fn keep_sign(&mut self, c: &Collocation<'_>) {
+        if self.w[0].len() == c.nodes() && !self.v0.is_empty() {
+            self.reference = (0..c.count() * c.rule.m)
+                .map(|e| self.adjoint(c, e))
+                .collect();
+        }
+    }
+
+    /// τ and the adjoint at Gauss point e.
+    fn adjoint(&self, c: &Collocation<'_>, e: usize) -> (f64, Vec<f64>) {
+        let (m, n) = (c.rule.m, c.n);
+        let (i, k) = (e / m, e % m);
+        let scale = 1.0 / c.rule.gauss[k];
+        (
+            c.mesh[i] + c.rule.points[k] * c.step(i),
+            self.w[0][e * n..(e + 1) * n]
+                .iter()
+                .map(|w| w * scale)
+                .collect(),
+        )
+    }
+
+    /// Whether w points against the reference.
+    fn reversed(&self, c: &Collocation<'_>) -> bool {
+        if self.reference.is_empty() {
+            return false;
+        }
+        let mut sum = 0.0;
+        let mut at = 0;
+        for e in 0..c.count() * c.rule.m {
+            let (tau, w) = self.adjoint(c, e);
+            while at + 1 < self.reference.len()
+                && (self.reference[at + 1].0 - tau).abs() <= (self.reference[at].0 - tau).abs()
+            {
+                at += 1;
+            }
+            sum += crate::dense::dot(&w, &self.reference[at].1)
+                * c.step(e / c.rule.m)
+                * c.rule.gauss[e % c.rule.m];
+        }
+        sum < 0.0
     }
 
     /// Solves for v, w and g at the linearisation at hand. False where not finite.
@@ -109,6 +166,25 @@ impl Variation {
         let n = c.n;
         let (inner, matrix) = Self::reduced(c, bordered, mu, phase.map(|p| (p.0, p.1)));
         let size = inner + 1;
+        // b is found afresh: the reduced equations differ from those of the last factorisation.
+        let reduced = Lu::of(inner, &matrix);
+        let mut left: Vec<C> = (0..inner)
+            .map(|i| {
+                C::new(
+                    1.0 + 0.3 * (i as f64).sin(),
+                    0.2 * mu.im * (1.0 + i as f64).cos(),
+                )
+            })
+            .collect();
+        for _ in 0..2 {
+            reduced.solve(&mut left);
+            unit(&mut left);
+            conjugate(&mut left);
+            reduced.solve_transposed(&mut left);
+            conjugate(&mut left);
+            unit(&mut left);
+        }
+        self.b = left;
         let mut full = vec![C::default(); size * size];
         for i in 0..inner {
             full[i * size..i * size + inner].copy_from_slice(&matrix[i * inner..(i + 1) * inner]);
@@ -127,7 +203,11 @@ impl Variation {
         self.g = right[inner];
         right.truncate(inner);
         left.truncate(inner);
-        if right.iter().chain(&left).any(|x| !(x.re.is_finite() && x.im.is_finite())) {
+        if right
+            .iter()
+            .chain(&left)
+            .any(|x| !(x.re.is_finite() && x.im.is_finite()))
+        {
             return false;
         }
         let complex = mu.im != 0.0;
@@ -147,7 +227,8 @@ impl Variation {
                 let (data, mids, _) = bordered.column(0);
                 let data: Vec<f64> = data.iter().map(|x| -self.tau * x).collect();
                 let mids: Vec<f64> = mids.iter().map(|x| -self.tau * x).collect();
-                c.condensed.backward(&start, &last, Some((&data, &mids)), &mut self.v[part]);
+                c.condensed
+                    .backward(&start, &last, Some((&data, &mids)), &mut self.v[part]);
             } else {
                 c.condensed.backward(&start, &last, None, &mut self.v[part]);
             }
@@ -164,7 +245,17 @@ impl Variation {
         }
         self.v0 = right;
         self.w0 = left;
-        true
+        if self.reversed(c) {
+            self.g = -self.g;
+            self.by_multiplier = -self.by_multiplier;
+            for x in self.b.iter_mut().chain(&mut self.w0) {
+                *x = -*x;
+            }
+            for x in self.w.iter_mut().flatten() {
+                *x = -*x;
+            }
+        }
+        self.b.iter().all(|x| x.re.is_finite() && x.im.is_finite())
     }
 
     /// ∂g = -wᵀ ∂(linearisation) v, second derivatives of f by central differences of exact first ones along v.
@@ -196,13 +287,19 @@ impl Variation {
                 down[i] = c.states[i] - h * at[i];
             }
             let d = 1.0 / (2.0 * h);
-            c.problem.linearisations(&c.times, &up, &c.parameters, &mut fu, &mut plus);
-            c.problem.linearisations(&c.times, &down, &c.parameters, &mut fd, &mut minus);
+            c.problem
+                .linearisations(&c.times, &up, &c.parameters, &mut fu, &mut plus);
+            c.problem
+                .linearisations(&c.times, &down, &c.parameters, &mut fd, &mut minus);
             // f_x v at Gauss points, for the period.
             let mut image = vec![0.0; total * n];
             for e in 0..total {
                 let jacobian = &c.jacobians[e * n * n..(e + 1) * n * n];
-                crate::dense::multiply(jacobian, &at[e * n..(e + 1) * n], &mut image[e * n..(e + 1) * n]);
+                crate::dense::multiply(
+                    jacobian,
+                    &at[e * n..(e + 1) * n],
+                    &mut image[e * n..(e + 1) * n],
+                );
             }
             for pw in 0..parts {
                 // -w ∂ v with i² = -1 for both imaginary parts; the result's part.
@@ -236,13 +333,25 @@ impl Variation {
                 }
             }
             for (k, index) in c.free.iter().enumerate() {
-                c.problem.parameter_derivatives(&c.times, &up, &c.parameters, *index, &mut fu);
-                c.problem.parameter_derivatives(&c.times, &down, &c.parameters, *index, &mut fd);
-                let mut along: Vec<f64> = fu.iter().zip(&fd).map(|(a, b)| c.period * (a - b) * d).collect();
+                c.problem
+                    .parameter_derivatives(&c.times, &up, &c.parameters, *index, &mut fu);
+                c.problem
+                    .parameter_derivatives(&c.times, &down, &c.parameters, *index, &mut fd);
+                let mut along: Vec<f64> = fu
+                    .iter()
+                    .zip(&fd)
+                    .map(|(a, b)| c.period * (a - b) * d)
+                    .collect();
                 if self.tau != 0.0 && pv == 0 {
                     // The column of the period depends on the parameter as well.
                     let mut direct = vec![0.0; total * n];
-                    c.problem.parameter_derivatives(&c.times, &c.states, &c.parameters, *index, &mut direct);
+                    c.problem.parameter_derivatives(
+                        &c.times,
+                        &c.states,
+                        &c.parameters,
+                        *index,
+                        &mut direct,
+                    );
                     axpy(self.tau, &direct, &mut along);
                 }
                 let rate = if c.autonomous {
@@ -251,8 +360,10 @@ impl Variation {
                     c.periods as f64 * c.problem.period_derivative(&c.parameters, *index)
                 };
                 if rate != 0.0 {
-                    c.problem.time_derivatives(&c.times, &up, &c.parameters, &mut fu);
-                    c.problem.time_derivatives(&c.times, &down, &c.parameters, &mut fd);
+                    c.problem
+                        .time_derivatives(&c.times, &up, &c.parameters, &mut fu);
+                    c.problem
+                        .time_derivatives(&c.times, &down, &c.parameters, &mut fd);
                     for e in 0..total {
                         let t = c.times[e];
                         for r in 0..n {
@@ -270,8 +381,11 @@ impl Variation {
                     let w = &self.w[pw];
                     for i in 0..count {
                         let hi = sign * c.step(i);
-                        ends[part][offset + k] +=
-                            hi * crate::dense::dot(&w[i * per..(i + 1) * per], &along[i * per..(i + 1) * per]);
+                        ends[part][offset + k] += hi
+                            * crate::dense::dot(
+                                &w[i * per..(i + 1) * per],
+                                &along[i * per..(i + 1) * per],
+                            );
                     }
                 }
             }
@@ -282,7 +396,11 @@ impl Variation {
                     let s = &source[part][(i * m + k) * n..(i * m + k + 1) * n];
                     for l in 0..=m {
                         let index = (i * m + l) % total;
-                        axpy(c.rule.values[k * (m + 1) + l], s, &mut nodes[part][index * n..(index + 1) * n]);
+                        axpy(
+                            c.rule.values[k * (m + 1) + l],
+                            s,
+                            &mut nodes[part][index * n..(index + 1) * n],
+                        );
                     }
                 }
             }
@@ -299,7 +417,11 @@ impl Variation {
             .iter()
             .map(|x| {
                 let last = mu * *x;
-                if part == 0 { last.re - x.re } else { last.im - x.im }
+                if part == 0 {
+                    last.re - x.re
+                } else {
+                    last.im - x.im
+                }
             })
             .collect();
         c.interpolate(&c.rule.values, v, Some(&wrap), out);

@@ -122,7 +122,10 @@ pub(crate) fn eigenvalues(n: usize, matrix: &[f64]) -> Option<Vec<Complex64>> {
     let mut out = vec![Complex64::default(); n];
     let mut high = n;
     let mut iterations = 0;
-    let scale = a.iter().fold(0.0_f64, |m, x| m.max(x.abs())).max(f64::MIN_POSITIVE);
+    let scale = a
+        .iter()
+        .fold(0.0_f64, |m, x| m.max(x.abs()))
+        .max(f64::MIN_POSITIVE);
     while high > 0 {
         let last = high - 1;
         let mut low = last;
@@ -143,8 +146,12 @@ pub(crate) fn eigenvalues(n: usize, matrix: &[f64]) -> Option<Vec<Complex64>> {
             iterations = 0;
             continue;
         }
-        let (p, q, r, t) =
-            (a[(last - 1) * n + last - 1], a[(last - 1) * n + last], a[last * n + last - 1], a[last * n + last]);
+        let (p, q, r, t) = (
+            a[(last - 1) * n + last - 1],
+            a[(last - 1) * n + last],
+            a[last * n + last - 1],
+            a[last * n + last],
+        );
         if low + 1 == last {
             let (one, two) = pair(p, q, r, t);
             out[last - 1] = one;
@@ -202,8 +209,16 @@ pub(crate) fn eigenvalues(n: usize, matrix: &[f64]) -> Option<Vec<Complex64>> {
             }
             if k + 1 <= last {
                 x = a[(k + 1) * n + k];
-                y = if k + 2 <= last { a[(k + 2) * n + k] } else { 0.0 };
-                z = if k + 3 <= last { a[(k + 3) * n + k] } else { 0.0 };
+                y = if k + 2 <= last {
+                    a[(k + 2) * n + k]
+                } else {
+                    0.0
+                };
+                z = if k + 3 <= last {
+                    a[(k + 3) * n + k]
+                } else {
+                    0.0
+                };
             }
             if k + 2 > last {
                 break;
@@ -232,18 +247,29 @@ fn pair(p: f64, q: f64, r: f64, t: f64) -> (Complex64, Complex64) {
 }
 
 fn shifted(n: usize, a: &[f64], value: Complex64) -> Lu<Complex64> {
-    let size = a.iter().fold(value.norm(), |m, x| m.max(x.abs())).max(1e-100);
+    let size = a
+        .iter()
+        .fold(value.norm(), |m, x| m.max(x.abs()))
+        .max(1e-100);
     // A shift at rounding level keeps the factorisation from an exact zero pivot.
     let value = value + Complex64::new(size * 4e-16, size * 2e-16);
     let matrix: Vec<Complex64> = (0..n * n)
-        .map(|k| Complex64::new(a[k], 0.0) - if k / n == k % n { value } else { Complex64::default() })
+        .map(|k| {
+            Complex64::new(a[k], 0.0)
+                - if k / n == k % n {
+                    value
+                } else {
+                    Complex64::default()
+                }
+        })
         .collect();
     Lu::of(n, &matrix)
 }
 
 fn inverse_iteration(n: usize, step: impl Fn(&mut [Complex64])) -> Vec<Complex64> {
-    let mut x: Vec<Complex64> =
-        (0..n).map(|i| Complex64::new(1.0 + 0.37 * (i as f64).sin(), 0.21 * (1.0 + i as f64).cos())).collect();
+    let mut x: Vec<Complex64> = (0..n)
+        .map(|i| Complex64::new(1.0 + 0.37 * (i as f64).sin(), 0.21 * (1.0 + i as f64).cos()))
+        .collect();
     for _ in 0..3 {
         step(&mut x);
         let size = x.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
@@ -316,7 +342,10 @@ mod tests {
         }
         let found = eigenvalues(n, &a).unwrap();
         for r in roots {
-            let gap = found.iter().map(|x| (x - r).norm()).fold(f64::INFINITY, f64::min);
+            let gap = found
+                .iter()
+                .map(|x| (x - r).norm())
+                .fold(f64::INFINITY, f64::min);
             assert!(gap < 1e-10, "{r}: {gap} in {found:?}");
         }
         for r in roots {
@@ -337,7 +366,9 @@ mod tests {
         for n in 1..24 {
             let a: Vec<f64> = (0..n * n)
                 .map(|_| {
-                    seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                    seed = seed
+                        .wrapping_mul(6_364_136_223_846_793_005)
+                        .wrapping_add(1_442_695_040_888_963_407);
                     (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
                 })
                 .collect();

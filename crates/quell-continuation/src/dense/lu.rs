@@ -51,7 +51,13 @@ pub(crate) struct Lu<S> {
 impl<S: Scalar> Lu<S> {
     /// An empty factorisation.
     pub(crate) fn new() -> Self {
-        Self { n: 0, a: Vec::new(), pivots: Vec::new(), odd: false, scale: 0.0 }
+        Self {
+            n: 0,
+            a: Vec::new(),
+            pivots: Vec::new(),
+            odd: false,
+            scale: 0.0,
+        }
     }
 
     /// The factorisation of `a` (n × n).
@@ -159,7 +165,9 @@ impl<S: Scalar> Lu<S> {
 
     /// Smallest pivot over the largest entry: a cheap sign of singularity.
     pub(crate) fn smallest_pivot(&self) -> f64 {
-        let smallest = (0..self.n).map(|i| self.a[i * self.n + i].size()).fold(f64::INFINITY, f64::min);
+        let smallest = (0..self.n)
+            .map(|i| self.a[i * self.n + i].size())
+            .fold(f64::INFINITY, f64::min);
         smallest / self.scale.max(f64::MIN_POSITIVE)
     }
 }

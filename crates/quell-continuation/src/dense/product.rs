@@ -18,15 +18,24 @@ impl Rotation {
     fn of(f: C, g: C) -> Self {
         let size = f.norm().max(g.norm());
         if g.norm() == 0.0 || size == 0.0 {
-            return Self { c: 1.0, s: C::default() };
+            return Self {
+                c: 1.0,
+                s: C::default(),
+            };
         }
         if f.norm() == 0.0 {
-            return Self { c: 0.0, s: g.conj() / g.norm() };
+            return Self {
+                c: 0.0,
+                s: g.conj() / g.norm(),
+            };
         }
         let (f, g) = (f / size, g / size);
         let r = (f.norm_sqr() + g.norm_sqr()).sqrt();
         let phase = f / f.norm();
-        Self { c: f.norm() / r, s: phase * g.conj() / r }
+        Self {
+            c: f.norm() / r,
+            s: phase * g.conj() / r,
+        }
     }
 
     /// Rows i and i + 1 of `a`.
@@ -79,7 +88,10 @@ impl Product {
             let (f, h) = (a[(i + 1) * n + i + 1], a[(i + 1) * n + i]);
             let z = Rotation::of(f.conj(), h.conj());
             // Rows (i, i+1) reversed: build the equivalent rotation in the usual order.
-            g = Rotation { c: z.c, s: -z.s.conj() };
+            g = Rotation {
+                c: z.c,
+                s: -z.s.conj(),
+            };
             g.columns(n, a, i);
             a[(i + 1) * n + i] = C::default();
         }
@@ -115,7 +127,12 @@ impl Product {
     fn block(&self, i: usize) -> [C; 4] {
         let n = self.n;
         let a = &self.factors[0];
-        let mut b = [a[i * n + i], a[i * n + i + 1], a[(i + 1) * n + i], a[(i + 1) * n + i + 1]];
+        let mut b = [
+            a[i * n + i],
+            a[i * n + i + 1],
+            a[(i + 1) * n + i],
+            a[(i + 1) * n + i + 1],
+        ];
         for t in &self.factors[1..] {
             let (p, q, r) = (t[i * n + i], t[i * n + i + 1], t[(i + 1) * n + i + 1]);
             b = [p * b[0] + q * b[2], p * b[1] + q * b[3], r * b[2], r * b[3]];
@@ -124,7 +141,9 @@ impl Product {
     }
 
     fn value(&self, i: usize) -> C {
-        self.factors.iter().fold(C::new(1.0, 0.0), |v, a| v * a[i * self.n + i])
+        self.factors
+            .iter()
+            .fold(C::new(1.0, 0.0), |v, a| v * a[i * self.n + i])
     }
 }
 
@@ -141,8 +160,13 @@ pub(crate) fn product_eigenvalues(n: usize, factors: &[Vec<f64>]) -> Option<Vec<
     if factors.len() == 1 {
         return super::eigenvalues(n, &factors[0]);
     }
-    let mut p =
-        Product { n, factors: factors.iter().map(|a| a.iter().map(|x| C::new(*x, 0.0)).collect()).collect() };
+    let mut p = Product {
+        n,
+        factors: factors
+            .iter()
+            .map(|a| a.iter().map(|x| C::new(*x, 0.0)).collect())
+            .collect(),
+    };
     p.triangularise();
     let mut high = n;
     let mut iterations = 0;
@@ -196,9 +220,17 @@ fn wilkinson(b: [C; 4]) -> C {
     let b = b.map(|x| x / size);
     let half = (b[0] - b[3]) * 0.5;
     let root = (half * half + b[1] * b[2]).sqrt();
-    let w = if (half + root).norm() > (half - root).norm() { half + root } else { half - root };
+    let w = if (half + root).norm() > (half - root).norm() {
+        half + root
+    } else {
+        half - root
+    };
     // The eigenvalues are b3 + w and b3 - b1 b2 / w; the second is the nearer.
-    if w.norm() == 0.0 { b[3] * size } else { (b[3] - b[1] * b[2] / w) * size }
+    if w.norm() == 0.0 {
+        b[3] * size
+    } else {
+        (b[3] - b[1] * b[2] / w) * size
+    }
 }
 
 /// Restores the symmetry of a real product: eigenvalues real or in exact conjugate pairs.
@@ -212,7 +244,9 @@ fn conjugate_pairs(mut values: Vec<C>) -> Vec<C> {
             continue;
         }
         let mate = (0..values.len()).min_by(|i, j| {
-            (values[*i] - v.conj()).norm().total_cmp(&(values[*j] - v.conj()).norm())
+            (values[*i] - v.conj())
+                .norm()
+                .total_cmp(&(values[*j] - v.conj()).norm())
         });
         match mate {
             Some(i) if (values[i] - v.conj()).norm() < 1e-2 * v.norm() => {
@@ -239,11 +273,17 @@ mod tests {
         let count = 7;
         let mut seed = 3_u64;
         let mut next = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
         };
         let basis: Vec<Vec<f64>> = (0..count)
-            .map(|_| (0..n * n).map(|k| next() + if k / n == k % n { 2.0 } else { 0.0 }).collect())
+            .map(|_| {
+                (0..n * n)
+                    .map(|k| next() + if k / n == k % n { 2.0 } else { 0.0 })
+                    .collect()
+            })
             .collect();
         let angle = 0.3_f64;
         let (c, s) = (angle.cos() * 1.01, angle.sin() * 1.01);
@@ -259,8 +299,9 @@ mod tests {
             let up = &basis[(k + 1) % count];
             let mut x = vec![0.0; n * n];
             for i in 0..n {
-                let mut row: Vec<f64> =
-                    (0..n).map(|j| (0..n).map(|l| up[i * n + l] * d[l * n + j]).sum()).collect();
+                let mut row: Vec<f64> = (0..n)
+                    .map(|j| (0..n).map(|l| up[i * n + l] * d[l * n + j]).sum())
+                    .collect();
                 lu.solve_transposed(&mut row);
                 x[i * n..(i + 1) * n].copy_from_slice(&row);
             }
@@ -275,7 +316,10 @@ mod tests {
             C::new(1e-21, 0.0),
         ];
         for e in expected {
-            let gap = found.iter().map(|x| (x - e).norm() / e.norm()).fold(f64::INFINITY, f64::min);
+            let gap = found
+                .iter()
+                .map(|x| (x - e).norm() / e.norm())
+                .fold(f64::INFINITY, f64::min);
             assert!(gap < 1e-10, "{e}: {gap:e} in {found:?}");
         }
     }

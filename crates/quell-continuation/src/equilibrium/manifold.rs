@@ -25,7 +25,12 @@ pub(crate) struct Equilibria<'a> {
 }
 
 impl<'a> Equilibria<'a> {
-    pub(crate) fn new(problem: &'a dyn Problem, parameters: &[f64], free: usize, settings: &'a Settings) -> Self {
+    pub(crate) fn new(
+        problem: &'a dyn Problem,
+        parameters: &[f64],
+        free: usize,
+        settings: &'a Settings,
+    ) -> Self {
         let n = problem.states();
         Self {
             problem,
@@ -47,10 +52,18 @@ impl<'a> Equilibria<'a> {
     }
 
     /// The direction orthogonal to the tangent in the null space of (`f_x`, `f_p`).
-    pub(crate) fn across(&mut self, z: &[f64], tangent: &[f64]) -> Result<Vec<f64>, ContinuationError> {
+    pub(crate) fn across(
+        &mut self,
+        z: &[f64],
+        tangent: &[f64],
+    ) -> Result<Vec<f64>, ContinuationError> {
         self.rescale(z);
         self.factor(z)?;
-        let row: Vec<f64> = tangent.iter().zip(&self.weights).map(|(t, w)| t * w).collect();
+        let row: Vec<f64> = tangent
+            .iter()
+            .zip(&self.weights)
+            .map(|(t, w)| t * w)
+            .collect();
         self.border(&row)?;
         Ok(crate::path::second_direction(self, &row, tangent))
     }
@@ -63,26 +76,43 @@ impl Manifold for Equilibria<'_> {
 
     fn residual(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         self.set(z);
-        self.problem.value(0.0, &z[..self.n], &self.parameters, &mut out[..self.n]);
-        if out[..self.n].iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Failure::NotFinite) }
+        self.problem
+            .value(0.0, &z[..self.n], &self.parameters, &mut out[..self.n]);
+        if out[..self.n].iter().all(|x| x.is_finite()) {
+            Ok(())
+        } else {
+            Err(Failure::NotFinite)
+        }
     }
 
     fn factor(&mut self, z: &[f64]) -> Result<(), Failure> {
         self.set(z);
-        self.problem.jacobian(0.0, &z[..self.n], &self.parameters, &mut self.jacobian);
-        self.problem.parameter_derivative(0.0, &z[..self.n], &self.parameters, self.free, &mut self.column);
+        self.problem
+            .jacobian(0.0, &z[..self.n], &self.parameters, &mut self.jacobian);
+        self.problem.parameter_derivative(
+            0.0,
+            &z[..self.n],
+            &self.parameters,
+            self.free,
+            &mut self.column,
+        );
         Ok(())
     }
 
     fn border(&mut self, row: &[f64]) -> Result<(), Failure> {
         let n = self.n;
         for i in 0..n {
-            self.matrix[i * (n + 1)..i * (n + 1) + n].copy_from_slice(&self.jacobian[i * n..(i + 1) * n]);
+            self.matrix[i * (n + 1)..i * (n + 1) + n]
+                .copy_from_slice(&self.jacobian[i * n..(i + 1) * n]);
             self.matrix[i * (n + 1) + n] = self.column[i];
         }
         self.matrix[n * (n + 1)..].copy_from_slice(row);
         // Equations of very different size: rows are scaled to one.
-        if self.lu.factor(n + 1, &self.matrix) { Ok(()) } else { Err(Failure::NotFinite) }
+        if self.lu.factor(n + 1, &self.matrix) {
+            Ok(())
+        } else {
+            Err(Failure::NotFinite)
+        }
     }
 
     fn solve(&mut self, b: &mut [f64]) {
@@ -111,7 +141,9 @@ impl Manifold for Equilibria<'_> {
     fn spectrum(&mut self, z: &[f64], tangent: &[f64]) -> Spectrum {
         let n = self.n;
         self.set(z);
-        let Some(values) = eigenvalues(n, &self.jacobian) else { return Spectrum::default() };
+        let Some(values) = eigenvalues(n, &self.jacobian) else {
+            return Spectrum::default();
+        };
         // dJ/ds by a central difference of the exact Jacobian along the tangent.
         let h = 1e-5;
         let mut difference = vec![0.0; n * n];
@@ -127,8 +159,15 @@ impl Manifold for Equilibria<'_> {
         for (d, o) in difference.iter_mut().zip(&other) {
             *d = (*d - o) / (2.0 * h);
         }
-        let rates = values.iter().map(|v| rate(n, &self.jacobian, &difference, *v)).collect();
-        Spectrum { values, rates, error: 0.0 }
+        let rates = values
+            .iter()
+            .map(|v| rate(n, &self.jacobian, &difference, *v))
+            .collect();
+        Spectrum {
+            values,
+            rates,
+            error: 0.0,
+        }
     }
 
     fn distance(&self, value: Complex64) -> f64 {
@@ -141,9 +180,17 @@ impl Manifold for Equilibria<'_> {
 
     fn tests(&mut self, z: &[f64], _tangent: &[f64], _spectrum: &Spectrum) -> Vec<f64> {
         self.set(z);
-        let view =
-            View { states: &z[..self.n], dimension: self.n, parameters: &self.parameters, period: None };
-        self.settings.monitors.iter().map(|m| m.value(&view)).collect()
+        let view = View {
+            states: &z[..self.n],
+            dimension: self.n,
+            parameters: &self.parameters,
+            period: None,
+        };
+        self.settings
+            .monitors
+            .iter()
+            .map(|m| m.value(&view))
+            .collect()
     }
 
     fn classify(&mut self, found: &Found<'_>) -> Option<Label> {
@@ -154,7 +201,13 @@ impl Manifold for Equilibria<'_> {
             Trigger::Test(k) => Some(Label::plain(Kind::Monitor(k))),
             Trigger::Crossing(v) | Trigger::Touch(v) if v.im.abs() > 1e-9 * (1.0 + v.norm()) => {
                 let omega = v.im.abs();
-                let normal_form = normal::hopf(self.problem, &z[..n], &self.parameters, &self.jacobian, omega);
+                let normal_form = normal::hopf(
+                    self.problem,
+                    &z[..n],
+                    &self.parameters,
+                    &self.jacobian,
+                    omega,
+                );
                 Some(Label {
                     kind: Kind::Hopf,
                     omega: Some(omega),
@@ -164,7 +217,11 @@ impl Manifold for Equilibria<'_> {
             }
             Trigger::Crossing(v) | Trigger::Touch(v) => {
                 let real = |x: Vec<Complex64>| x.iter().map(|c| c.re).collect::<Vec<f64>>();
-                let w = real(left_eigenvector(n, &self.jacobian, Complex64::new(v.re, 0.0)));
+                let w = real(left_eigenvector(
+                    n,
+                    &self.jacobian,
+                    Complex64::new(v.re, 0.0),
+                ));
                 let q = real(eigenvector(n, &self.jacobian, Complex64::new(v.re, 0.0)));
                 let size = dot(&self.column, &self.column).sqrt();
                 let effect = dot(&w, &self.column).abs();
@@ -202,5 +259,9 @@ pub(crate) fn rate(n: usize, a: &[f64], da: &[f64], value: Complex64) -> Complex
         bottom += w[i] * q[i];
     }
     // Close to a defective eigenvalue the rate is unbounded and of no use.
-    if bottom.norm() < 1e-7 { Complex64::new(f64::NAN, f64::NAN) } else { top / bottom }
+    if bottom.norm() < 1e-7 {
+        Complex64::new(f64::NAN, f64::NAN)
+    } else {
+        top / bottom
+    }
 }

@@ -12,15 +12,32 @@ use crate::problem::Problem;
 use crate::settings::{ContinuationError, Settings};
 
 /// Checks the lengths of a start.
-pub(crate) fn check(problem: &dyn Problem, states: usize, parameters: usize, free: &[usize]) -> Result<(), ContinuationError> {
+pub(crate) fn check(
+    problem: &dyn Problem,
+    states: usize,
+    parameters: usize,
+    free: &[usize],
+) -> Result<(), ContinuationError> {
     if states != problem.states() {
-        return Err(ContinuationError::Shape { what: "states", expected: problem.states(), found: states });
+        return Err(ContinuationError::Shape {
+            what: "states",
+            expected: problem.states(),
+            found: states,
+        });
     }
     if parameters != problem.parameters() {
-        return Err(ContinuationError::Shape { what: "parameters", expected: problem.parameters(), found: parameters });
+        return Err(ContinuationError::Shape {
+            what: "parameters",
+            expected: problem.parameters(),
+            found: parameters,
+        });
     }
     if let Some(k) = free.iter().find(|k| **k >= parameters) {
-        return Err(ContinuationError::Shape { what: "parameters", expected: parameters, found: k + 1 });
+        return Err(ContinuationError::Shape {
+            what: "parameters",
+            expected: parameters,
+            found: k + 1,
+        });
     }
     Ok(())
 }
@@ -65,17 +82,38 @@ pub fn equilibria_across(
     let mut z = at.state.clone();
     z.push(at.parameters[free]);
     let mut m = Equilibria::new(problem, &at.parameters, free, settings);
-    let direction: Vec<f64> = m.across(&z, &point.tangent)?.iter().map(|d| d * side).collect();
-    run(&mut m, settings, Start::Along(z, direction, settings.initial_step))
+    let direction: Vec<f64> = m
+        .across(&z, &point.tangent)?
+        .iter()
+        .map(|d| d * side)
+        .collect();
+    run(
+        &mut m,
+        settings,
+        Start::Along(z, direction, settings.initial_step),
+    )
 }
 
-fn run(m: &mut Equilibria<'_>, settings: &Settings, start: Start) -> Result<Branch<Equilibrium>, ContinuationError> {
+fn run(
+    m: &mut Equilibria<'_>,
+    settings: &Settings,
+    start: Start,
+) -> Result<Branch<Equilibrium>, ContinuationError> {
     let (forward, backward) = follow_both(m, settings, start)?;
     let n = m.problem.states();
     let (parameters, free) = (m.parameters.clone(), m.free);
-    Ok(assemble(m, forward, backward, m.problem.is_approximate(), |node| {
-        let mut p = parameters.clone();
-        p[free] = node.z[n];
-        Equilibrium { state: node.z[..n].to_vec(), parameters: p }
-    }))
+    Ok(assemble(
+        m,
+        forward,
+        backward,
+        m.problem.is_approximate(),
+        |node| {
+            let mut p = parameters.clone();
+            p[free] = node.z[n];
+            Equilibrium {
+                state: node.z[..n].to_vec(),
+                parameters: p,
+            }
+        },
+    ))
 }

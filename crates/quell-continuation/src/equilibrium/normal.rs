@@ -15,7 +15,10 @@ pub(crate) struct Forms<'a> {
 }
 
 fn parts(v: &[C]) -> [Vec<f64>; 2] {
-    [v.iter().map(|c| c.re).collect(), v.iter().map(|c| c.im).collect()]
+    [
+        v.iter().map(|c| c.re).collect(),
+        v.iter().map(|c| c.im).collect(),
+    ]
 }
 
 impl Forms<'_> {
@@ -79,8 +82,15 @@ pub(crate) fn conj(a: &[C]) -> Vec<C> {
 
 /// (s I - A) as a factorisation.
 pub(crate) fn resolvent(n: usize, a: &[f64], s: C) -> Lu<C> {
-    let matrix: Vec<C> =
-        (0..n * n).map(|k| if k / n == k % n { s - a[k] } else { C::new(-a[k], 0.0) }).collect();
+    let matrix: Vec<C> = (0..n * n)
+        .map(|k| {
+            if k / n == k % n {
+                s - a[k]
+            } else {
+                C::new(-a[k], 0.0)
+            }
+        })
+        .collect();
     Lu::of(n, &matrix)
 }
 
@@ -97,7 +107,13 @@ pub(crate) fn critical(n: usize, a: &[f64], omega: f64) -> (Vec<C>, Vec<C>) {
 }
 
 /// First Lyapunov coefficient ½ Re⟨p, C(q, q, q̄) - 2 B(q, A⁻¹ B(q, q̄)) + B(q̄, (2iω - A)⁻¹ B(q, q))⟩.
-pub(crate) fn hopf(problem: &dyn Problem, x: &[f64], p: &[f64], a: &[f64], omega: f64) -> Option<f64> {
+pub(crate) fn hopf(
+    problem: &dyn Problem,
+    x: &[f64],
+    p: &[f64],
+    a: &[f64],
+    omega: f64,
+) -> Option<f64> {
     let n = x.len();
     let forms = Forms { problem, x, p };
     let (q, w) = critical(n, a, omega);
@@ -110,18 +126,33 @@ pub(crate) fn hopf(problem: &dyn Problem, x: &[f64], p: &[f64], a: &[f64], omega
     resolvent(n, a, C::new(0.0, 2.0 * omega)).solve(&mut h20);
     let one = forms.second(&q, &h11)?;
     let two = forms.second(&qc, &h20)?;
-    let sum: C = (0..n).map(|i| w[i] * (cubic[i] + one[i] * 2.0 + two[i])).sum();
+    let sum: C = (0..n)
+        .map(|i| w[i] * (cubic[i] + one[i] * 2.0 + two[i]))
+        .sum();
     Some(0.5 * sum.re)
 }
 
 /// ½ ⟨p, B(q, q)⟩ with |q| = 1, ⟨p, q⟩ = 1.
-pub(crate) fn fold(problem: &dyn Problem, x: &[f64], p: &[f64], q: &[f64], w: &[f64]) -> Option<f64> {
+pub(crate) fn fold(
+    problem: &dyn Problem,
+    x: &[f64],
+    p: &[f64],
+    q: &[f64],
+    w: &[f64],
+) -> Option<f64> {
     let mut out = vec![0.0; x.len()];
-    problem.second(0.0, x, p, q, q, &mut out).then(|| 0.5 * dot(w, &out) / dot(w, q))
+    problem
+        .second(0.0, x, p, q, q, &mut out)
+        .then(|| 0.5 * dot(w, &out) / dot(w, q))
 }
 
 /// Coefficients a and b of a Bogdanov-Takens point, normalised as its curve's documentation states.
-pub(crate) fn bogdanov_takens(problem: &dyn Problem, x: &[f64], p: &[f64], a: &[f64]) -> Option<Vec<f64>> {
+pub(crate) fn bogdanov_takens(
+    problem: &dyn Problem,
+    x: &[f64],
+    p: &[f64],
+    a: &[f64],
+) -> Option<Vec<f64>> {
     let n = x.len();
     let zero = C::default();
     let real = |v: Vec<C>| v.iter().map(|c| c.re).collect::<Vec<f64>>();
@@ -154,7 +185,9 @@ pub(crate) fn bogdanov_takens(problem: &dyn Problem, x: &[f64], p: &[f64], a: &[
     }
     let mut b00 = vec![0.0; n];
     let mut b01 = vec![0.0; n];
-    if !(problem.second(0.0, x, p, &q0, &q0, &mut b00) && problem.second(0.0, x, p, &q0, &q1, &mut b01)) {
+    if !(problem.second(0.0, x, p, &q0, &q0, &mut b00)
+        && problem.second(0.0, x, p, &q0, &q1, &mut b01))
+    {
         return None;
     }
     Some(vec![0.5 * dot(&p1, &b00), dot(&p0, &b00) + dot(&p1, &b01)])

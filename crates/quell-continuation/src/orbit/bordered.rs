@@ -64,13 +64,19 @@ impl Bordered {
         self.rows.resize_with(rows.len(), Reduced::default);
         for (i, (reduced, row)) in self.rows.iter_mut().zip(rows).enumerate() {
             reduced.points.resize(2 * n, 0.0);
-            c.reduce_row(&row.nodes, &mut reduced.inner, &mut reduced.mids, &mut reduced.points);
+            c.reduce_row(
+                &row.nodes,
+                &mut reduced.inner,
+                &mut reduced.mids,
+                &mut reduced.points,
+            );
             let out = &mut matrix[(n + i) * size..(n + i + 1) * size];
             for k in 0..n {
                 out[k] = reduced.points[k] + reduced.points[n + k];
             }
             for (k, column) in self.columns.iter().enumerate() {
-                out[n + k] = row.ends[k] - c.eliminated(&reduced.inner, &reduced.mids, &column.data, &column.mids);
+                out[n + k] = row.ends[k]
+                    - c.eliminated(&reduced.inner, &reduced.mids, &column.data, &column.mids);
             }
         }
         let mut lu = self.lu.take().unwrap_or_default();
@@ -92,7 +98,8 @@ impl Bordered {
         self.x.resize(n + nb, 0.0);
         self.x[..n].copy_from_slice(&right.last);
         for (i, row) in self.rows.iter().enumerate() {
-            self.x[n + i] = b[nodes + i] - c.eliminated(&row.inner, &row.mids, &right.data, &right.mids);
+            self.x[n + i] =
+                b[nodes + i] - c.eliminated(&row.inner, &row.mids, &right.data, &right.mids);
         }
         if let Some(lu) = &self.lu {
             lu.solve(&mut self.x);

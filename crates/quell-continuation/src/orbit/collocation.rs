@@ -103,11 +103,21 @@ impl<'a> Collocation<'a> {
     pub(crate) fn node(&self, z: &[f64], i: usize, k: usize, j: usize) -> f64 {
         let index = i * self.rule.m + k;
         let total = self.count() * self.rule.m;
-        if index == total { z[j] + self.winding[j] } else { z[index * self.n + j] }
+        if index == total {
+            z[j] + self.winding[j]
+        } else {
+            z[index * self.n + j]
+        }
     }
 
     /// Values at Gauss points of anything on the nodes; `wrap` is added at the end.
-    pub(crate) fn interpolate(&self, table: &[f64], z: &[f64], wrap: Option<&[f64]>, out: &mut [f64]) {
+    pub(crate) fn interpolate(
+        &self,
+        table: &[f64],
+        z: &[f64],
+        wrap: Option<&[f64]>,
+        out: &mut [f64],
+    ) {
         let (m, n, count) = (self.rule.m, self.n, self.count());
         let mut last = vec![0.0; n];
         last.copy_from_slice(&z[..n]);
@@ -120,7 +130,11 @@ impl<'a> Collocation<'a> {
                 o.fill(0.0);
                 for k in 0..=m {
                     let index = i * m + k;
-                    let x = if index == count * m { &last[..] } else { &z[index * n..(index + 1) * n] };
+                    let x = if index == count * m {
+                        &last[..]
+                    } else {
+                        &z[index * n..(index + 1) * n]
+                    };
                     axpy(table[c * (m + 1) + k], x, o);
                 }
             }
@@ -141,8 +155,11 @@ impl<'a> Collocation<'a> {
         let m = self.rule.m;
         for i in 0..self.count() {
             for c in 0..m {
-                self.times[i * m + c] =
-                    if self.autonomous { 0.0 } else { self.period * (self.mesh[i] + self.rule.points[c] * self.step(i)) };
+                self.times[i * m + c] = if self.autonomous {
+                    0.0
+                } else {
+                    self.period * (self.mesh[i] + self.rule.points[c] * self.step(i))
+                };
             }
         }
         let mut states = std::mem::take(&mut self.states);
@@ -153,20 +170,44 @@ impl<'a> Collocation<'a> {
     /// Collocation residual Σ D x - h T f into the first N m n entries.
     pub(crate) fn residual(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         self.set(z);
-        self.problem.values(&self.times, &self.states, &self.parameters, &mut self.fields);
-        self.interpolate(&self.rule.slopes, z, Some(&self.winding), &mut out[..self.nodes()]);
+        self.problem.values(
+            &self.times,
+            &self.states,
+            &self.parameters,
+            &mut self.fields,
+        );
+        self.interpolate(
+            &self.rule.slopes,
+            z,
+            Some(&self.winding),
+            &mut out[..self.nodes()],
+        );
         let per = self.rule.m * self.n;
         for i in 0..self.count() {
             let h = self.step(i) * self.period;
-            axpy(-h, &self.fields[i * per..(i + 1) * per], &mut out[i * per..(i + 1) * per]);
+            axpy(
+                -h,
+                &self.fields[i * per..(i + 1) * per],
+                &mut out[i * per..(i + 1) * per],
+            );
         }
-        if out[..self.nodes()].iter().all(|x| x.is_finite()) && self.period > 0.0 { Ok(()) } else { Err(Failure::NotFinite) }
+        if out[..self.nodes()].iter().all(|x| x.is_finite()) && self.period > 0.0 {
+            Ok(())
+        } else {
+            Err(Failure::NotFinite)
+        }
     }
 
     /// Linearises and condenses at z; columns are filled.
     pub(crate) fn linearise(&mut self, z: &[f64]) -> Result<(), Failure> {
         self.set(z);
-        self.problem.linearisations(&self.times, &self.states, &self.parameters, &mut self.fields, &mut self.jacobians);
+        self.problem.linearisations(
+            &self.times,
+            &self.states,
+            &self.parameters,
+            &mut self.fields,
+            &mut self.jacobians,
+        );
         let (m, n, count) = (self.rule.m, self.n, self.count());
         let w = self.condensed.width();
         let q = self.condensed.inner();
@@ -177,11 +218,18 @@ impl<'a> Collocation<'a> {
             for c in 0..m {
                 let jacobian = &self.jacobians[(i * m + c) * n * n..(i * m + c + 1) * n * n];
                 for k in 0..=m {
-                    let column = if k == 0 { q } else if k == m { q + n } else { (k - 1) * n };
+                    let column = if k == 0 {
+                        q
+                    } else if k == m {
+                        q + n
+                    } else {
+                        (k - 1) * n
+                    };
                     let s = -h * self.rule.values[c * (m + 1) + k];
                     let d = self.rule.slopes[c * (m + 1) + k];
                     for r in 0..n {
-                        let row = &mut block[(c * n + r) * w + column..(c * n + r) * w + column + n];
+                        let row =
+                            &mut block[(c * n + r) * w + column..(c * n + r) * w + column + n];
                         for (x, j) in row.iter_mut().zip(&jacobian[r * n..(r + 1) * n]) {
                             *x = s * j;
                         }
@@ -199,17 +247,29 @@ impl<'a> Collocation<'a> {
         if self.autonomous {
             for i in 0..count {
                 let h = self.step(i);
-                for (o, f) in columns[0][i * per..(i + 1) * per].iter_mut().zip(&self.fields[i * per..(i + 1) * per]) {
+                for (o, f) in columns[0][i * per..(i + 1) * per]
+                    .iter_mut()
+                    .zip(&self.fields[i * per..(i + 1) * per])
+                {
                     *o = -h * f;
                 }
             }
         }
         for (k, index) in self.free.iter().enumerate() {
-            self.problem.parameter_derivatives(&self.times, &self.states, &self.parameters, *index, &mut self.scratch);
+            self.problem.parameter_derivatives(
+                &self.times,
+                &self.states,
+                &self.parameters,
+                *index,
+                &mut self.scratch,
+            );
             let column = &mut columns[offset + k];
             for i in 0..count {
                 let h = self.step(i) * self.period;
-                for (o, f) in column[i * per..(i + 1) * per].iter_mut().zip(&self.scratch[i * per..(i + 1) * per]) {
+                for (o, f) in column[i * per..(i + 1) * per]
+                    .iter_mut()
+                    .zip(&self.scratch[i * per..(i + 1) * per])
+                {
                     *o = -h * f;
                 }
             }
@@ -220,7 +280,12 @@ impl<'a> Collocation<'a> {
             };
             if rate != 0.0 {
                 // d/dp of T f(Tτ) through T: T_p (f + t f_t).
-                self.problem.time_derivatives(&self.times, &self.states, &self.parameters, &mut self.scratch);
+                self.problem.time_derivatives(
+                    &self.times,
+                    &self.states,
+                    &self.parameters,
+                    &mut self.scratch,
+                );
                 for i in 0..count {
                     let h = self.step(i);
                     for c in 0..m {
@@ -241,7 +306,12 @@ impl<'a> Collocation<'a> {
     pub(crate) fn phase_row(&self, reference: &[f64]) -> Vec<f64> {
         let (m, n, count) = (self.rule.m, self.n, self.count());
         let mut slopes = vec![0.0; count * m * n];
-        self.interpolate(&self.rule.slopes, reference, Some(&self.winding), &mut slopes);
+        self.interpolate(
+            &self.rule.slopes,
+            reference,
+            Some(&self.winding),
+            &mut slopes,
+        );
         self.functional(&slopes)
     }
 

@@ -185,7 +185,13 @@ impl Condensed {
 
     /// All nodes (N m n, then `x_N` in `last`) from `x_0` and `x_N` and a carried right-hand side; without one, the homogeneous
     /// solution.
-    pub(crate) fn backward(&self, x0: &[f64], last: &[f64], carried: Option<(&[f64], &[f64])>, out: &mut [f64]) {
+    pub(crate) fn backward(
+        &self,
+        x0: &[f64],
+        last: &[f64],
+        carried: Option<(&[f64], &[f64])>,
+        out: &mut [f64],
+    ) {
         let (n, q, w, rows) = (self.n, self.inner(), self.width(), self.rows());
         out[..n].copy_from_slice(x0);
         let mut right = last.to_vec();
@@ -223,7 +229,13 @@ impl Condensed {
     }
 
     /// Eliminates a row over all nodes (N m n); `inner` and `mids` keep the multipliers, `out` is what remains on `x_0`, `x_N`.
-    pub(crate) fn reduce_row(&self, row: &[f64], inner: &mut Vec<f64>, mids: &mut Vec<f64>, out: &mut [f64]) {
+    pub(crate) fn reduce_row(
+        &self,
+        row: &[f64],
+        inner: &mut Vec<f64>,
+        mids: &mut Vec<f64>,
+        out: &mut [f64],
+    ) {
         let (n, q, w, rows) = (self.n, self.inner(), self.width(), self.rows());
         inner.resize(self.count * q, 0.0);
         mids.resize(self.count.saturating_sub(1) * n, 0.0);
@@ -265,7 +277,13 @@ impl Condensed {
     }
 
     /// What the eliminated part of a row takes of a carried column.
-    pub(crate) fn eliminated(&self, inner: &[f64], mids: &[f64], column: &[f64], column_mids: &[f64]) -> f64 {
+    pub(crate) fn eliminated(
+        &self,
+        inner: &[f64],
+        mids: &[f64],
+        column: &[f64],
+        column_mids: &[f64],
+    ) -> f64 {
         let (q, rows) = (self.inner(), self.rows());
         let mut sum = dot(mids, column_mids);
         for i in 0..self.count {
@@ -287,7 +305,8 @@ impl Condensed {
                     t[n + k] = carry[k];
                 }
                 for k in (0..n).rev() {
-                    let v = &self.reflectors[((i - 1) * n + k) * 2 * n..((i - 1) * n + k + 1) * 2 * n];
+                    let v =
+                        &self.reflectors[((i - 1) * n + k) * 2 * n..((i - 1) * n + k + 1) * 2 * n];
                     let s = self.betas[(i - 1) * n + k] * dot(&v[k..], &t[k..]);
                     axpy(-s, &v[k..], &mut t[k..]);
                 }

@@ -44,10 +44,18 @@ impl Orbit {
         let (m, n) = (self.degree, self.dimension);
         let mut l = vec![0.0; m + 1];
         let rule = Rule::new(m);
-        lagrange(&rule.nodes, (tau - self.mesh[i]) / (self.mesh[i + 1] - self.mesh[i]), &mut l);
+        lagrange(
+            &rule.nodes,
+            (tau - self.mesh[i]) / (self.mesh[i + 1] - self.mesh[i]),
+            &mut l,
+        );
         let mut out = vec![0.0; n];
         for (k, l) in l.iter().enumerate() {
-            crate::dense::axpy(*l, &self.states[(i * m + k) * n..(i * m + k + 1) * n], &mut out);
+            crate::dense::axpy(
+                *l,
+                &self.states[(i * m + k) * n..(i * m + k + 1) * n],
+                &mut out,
+            );
         }
         out
     }
@@ -60,7 +68,9 @@ impl Orbit {
         let mut l = vec![0.0; m + 1];
         let mut value = |j: usize, x: f64| {
             lagrange(&rule.nodes, x, &mut l);
-            (0..=m).map(|k| l[k] * self.states[(j * m + k) * n + i]).sum::<f64>()
+            (0..=m)
+                .map(|k| l[k] * self.states[(j * m + k) * n + i])
+                .sum::<f64>()
         };
         let mut best = [(f64::INFINITY, 0, 0.0), (f64::INFINITY, 0, 0.0)];
         let fine = 4 * m;

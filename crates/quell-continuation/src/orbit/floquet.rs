@@ -75,7 +75,10 @@ pub(crate) fn multipliers(c: &Collocation<'_>, z: &[f64]) -> Option<Multipliers>
                 trace += c.step(i) * c.period * c.rule.gauss[k] * sum;
             }
         }
-        return Some(Multipliers { values: product_eigenvalues(n, &factors)?, error: (log_det - trace).exp_m1().abs() });
+        return Some(Multipliers {
+            values: product_eigenvalues(n, &factors)?,
+            error: (log_det - trace).exp_m1().abs(),
+        });
     }
     // Householder frames whose first column is the flow.
     let mut flow = vec![0.0; n];
@@ -83,7 +86,8 @@ pub(crate) fn multipliers(c: &Collocation<'_>, z: &[f64]) -> Option<Multipliers>
         .iter()
         .map(|i| {
             let at = i * c.rule.m * n;
-            c.problem.value(0.0, &z[at..at + n], &c.parameters, &mut flow);
+            c.problem
+                .value(0.0, &z[at..at + n], &c.parameters, &mut flow);
             frame(&flow)
         })
         .collect();
@@ -103,14 +107,24 @@ pub(crate) fn multipliers(c: &Collocation<'_>, z: &[f64]) -> Option<Multipliers>
         }
         reduced.push(small);
     }
-    let values = if k == 0 { Vec::new() } else { product_eigenvalues(k, &reduced)? };
-    Some(Multipliers { values, error: (trivial.abs() - 1.0).abs() })
+    let values = if k == 0 {
+        Vec::new()
+    } else {
+        product_eigenvalues(k, &reduced)?
+    };
+    Some(Multipliers {
+        values,
+        error: (trivial.abs() - 1.0).abs(),
+    })
 }
 
 /// u of the reflection I - 2 u uᵀ that maps e₁ to the direction of f (up to sign).
 fn frame(f: &[f64]) -> Vec<f64> {
     let size = norm(f);
-    let mut u: Vec<f64> = f.iter().map(|x| if size > 0.0 { x / size } else { 0.0 }).collect();
+    let mut u: Vec<f64> = f
+        .iter()
+        .map(|x| if size > 0.0 { x / size } else { 0.0 })
+        .collect();
     if size == 0.0 {
         return u;
     }
@@ -144,7 +158,11 @@ fn times(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; n * n];
     for i in 0..n {
         for k in 0..n {
-            crate::dense::axpy(a[i * n + k], &b[k * n..(k + 1) * n], &mut out[i * n..(i + 1) * n]);
+            crate::dense::axpy(
+                a[i * n + k],
+                &b[k * n..(k + 1) * n],
+                &mut out[i * n..(i + 1) * n],
+            );
         }
     }
     out
@@ -175,7 +193,10 @@ fn condition(n: usize, a: &[f64]) -> f64 {
         if size == 0.0 {
             return f64::INFINITY;
         }
-        let unit: Vec<f64> = w[pick * n..(pick + 1) * n].iter().map(|x| x / size).collect();
+        let unit: Vec<f64> = w[pick * n..(pick + 1) * n]
+            .iter()
+            .map(|x| x / size)
+            .collect();
         for i in 0..n {
             if !used[i] {
                 let row = &mut w[i * n..(i + 1) * n];

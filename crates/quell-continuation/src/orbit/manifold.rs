@@ -91,7 +91,11 @@ pub(crate) fn orbit(c: &Collocation<'_>, z: &[f64], mesh: &[f64]) -> Orbit {
         states,
         period,
         periods: c.periods,
-        winding: c.winding.iter().map(|w| w / std::f64::consts::TAU).collect(),
+        winding: c
+            .winding
+            .iter()
+            .map(|w| w / std::f64::consts::TAU)
+            .collect(),
         parameters,
     }
 }
@@ -122,11 +126,16 @@ impl Manifold for Cycles<'_> {
         self.arclength.ends.clear();
         self.arclength.ends.extend_from_slice(&row[nodes..]);
         let fine = if self.c.autonomous {
-            self.bordered.rows(&self.c.condensed, &[&self.phase, &self.arclength])
+            self.bordered
+                .rows(&self.c.condensed, &[&self.phase, &self.arclength])
         } else {
             self.bordered.rows(&self.c.condensed, &[&self.arclength])
         };
-        if fine { Ok(()) } else { Err(Failure::NotFinite) }
+        if fine {
+            Ok(())
+        } else {
+            Err(Failure::NotFinite)
+        }
     }
 
     fn solve(&mut self, b: &mut [f64]) {
@@ -148,7 +157,11 @@ impl Manifold for Cycles<'_> {
     fn rescale(&mut self, z: &[f64]) {
         let n = self.c.n;
         let w = self.c.weights();
-        let square: f64 = w.iter().zip(z.chunks_exact(n)).map(|(w, x)| w * dot(x, x)).sum();
+        let square: f64 = w
+            .iter()
+            .zip(z.chunks_exact(n))
+            .map(|(w, x)| w * dot(x, x))
+            .sum();
         let rms = (square / n as f64).sqrt();
         if rms.is_finite() {
             self.scale = self.scale.max(rms);
@@ -165,13 +178,18 @@ impl Manifold for Cycles<'_> {
             self.weights.push(z[nodes].powi(-2));
         }
         let first = self.c.first_parameter();
-        self.weights.push(self.settings.parameter_scale(0, z[first]).powi(-2));
+        self.weights
+            .push(self.settings.parameter_scale(0, z[first]).powi(-2));
     }
 
     fn spectrum(&mut self, z: &[f64], _tangent: &[f64]) -> Spectrum {
         let found = floquet::multipliers(&self.c, z).unwrap_or_default();
         let rates = vec![Complex64::new(f64::NAN, f64::NAN); found.values.len()];
-        Spectrum { values: found.values, rates, error: found.error }
+        Spectrum {
+            values: found.values,
+            rates,
+            error: found.error,
+        }
     }
 
     fn distance(&self, value: Complex64) -> f64 {
@@ -181,7 +199,11 @@ impl Manifold for Cycles<'_> {
     /// In the logarithm: a real multiplier does not pass through zero.
     fn gap(&self, a: Complex64, b: Complex64) -> f64 {
         let ratio = a / b;
-        if ratio.norm() > 0.0 && ratio.norm().is_finite() { ratio.ln().norm() } else { 1e3 }
+        if ratio.norm() > 0.0 && ratio.norm().is_finite() {
+            ratio.ln().norm()
+        } else {
+            1e3
+        }
     }
 
     fn longest_gap(&self) -> f64 {
@@ -203,7 +225,11 @@ impl Manifold for Cycles<'_> {
             parameters: &self.c.parameters,
             period: Some(self.c.period),
         };
-        self.settings.monitors.iter().map(|m| m.value(&view)).collect()
+        self.settings
+            .monitors
+            .iter()
+            .map(|m| m.value(&view))
+            .collect()
     }
 
     fn classify(&mut self, found: &Found<'_>) -> Option<Label> {
@@ -221,7 +247,11 @@ impl Manifold for Cycles<'_> {
         }
         // A family without a moving parameter has multiplier one all along.
         let near = |n: &Node| {
-            n.spectrum.values.iter().map(|x| (x - 1.0).norm()).fold(f64::INFINITY, f64::min)
+            n.spectrum
+                .values
+                .iter()
+                .map(|x| (x - 1.0).norm())
+                .fold(f64::INFINITY, f64::min)
                 < 1e-7_f64.max(10.0 * n.spectrum.error)
         };
         if near(found.before) && near(found.after) {
@@ -229,7 +259,11 @@ impl Manifold for Cycles<'_> {
         }
         let p = self.c.first_parameter();
         let turns = found.before.tangent[p] * found.after.tangent[p] < 0.0;
-        Some(Label::plain(if turns { Kind::CycleFold } else { Kind::CycleBranchPoint }))
+        Some(Label::plain(if turns {
+            Kind::CycleFold
+        } else {
+            Kind::CycleBranchPoint
+        }))
     }
 
     fn adapt(&mut self, z: &mut Vec<f64>, tangent: &mut Vec<f64>, count: usize) -> bool {

@@ -29,7 +29,11 @@ pub(crate) fn transfer(c: &Collocation<'_>, z: &[f64], wrap: &[f64], mesh: &[f64
                 let mut sum = 0.0;
                 for (k, l) in l.iter().enumerate() {
                     let index = i * m + k;
-                    let x = if index == count * m { z[j] + wrap[j] } else { z[index * n + j] };
+                    let x = if index == count * m {
+                        z[j] + wrap[j]
+                    } else {
+                        z[index * n + j]
+                    };
                     sum += l * x;
                 }
                 out.push(sum);
@@ -43,7 +47,11 @@ pub(crate) fn transfer(c: &Collocation<'_>, z: &[f64], wrap: &[f64], mesh: &[f64
 ///
 /// The error of an interval is estimated as C h^{m+1} |x^{(m+1)}| with C = (m!)² / (2 (2m)! (m+1)!), relative to the range of
 /// each coordinate; the derivative comes from jumps of the m-th (de Boor 1973). Also returns the present largest error.
-pub(crate) fn equidistribute(c: &Collocation<'_>, z: &[f64], settings: &MeshSettings) -> (Vec<f64>, f64) {
+pub(crate) fn equidistribute(
+    c: &Collocation<'_>,
+    z: &[f64],
+    settings: &MeshSettings,
+) -> (Vec<f64>, f64) {
     let (m, n, count) = (c.rule.m, c.n, c.count());
     let mut scales = vec![0.0_f64; n];
     for (j, scale) in scales.iter_mut().enumerate() {
@@ -67,17 +75,22 @@ pub(crate) fn equidistribute(c: &Collocation<'_>, z: &[f64], settings: &MeshSett
     let at = |i: usize| {
         let (a, b) = ((i + count - 1) % count, i % count);
         let width = 0.5 * (c.step(a) + c.step(b));
-        (0..n).map(|j| ((top[b * n + j] - top[a * n + j]) / width).powi(2)).sum::<f64>().sqrt()
+        (0..n)
+            .map(|j| ((top[b * n + j] - top[a * n + j]) / width).powi(2))
+            .sum::<f64>()
+            .sqrt()
     };
     let points: Vec<f64> = (0..count).map(at).collect();
     let exponent = 1.0 / (m as f64 + 1.0);
-    let mut monitor: Vec<f64> =
-        (0..count).map(|i| (0.5 * (points[i] + points[(i + 1) % count])).powf(exponent)).collect();
+    let mut monitor: Vec<f64> = (0..count)
+        .map(|i| (0.5 * (points[i] + points[(i + 1) % count])).powf(exponent))
+        .collect();
     let average: f64 = (0..count).map(|i| monitor[i] * c.step(i)).sum();
     let factorial = |k: usize| (1..=k).map(|k| k as f64).product::<f64>();
     let constant = factorial(m).powi(2) / (2.0 * factorial(2 * m) * factorial(m + 1));
-    let worst =
-        (0..count).map(|i| constant * (c.step(i) * monitor[i]).powi(m as i32 + 1)).fold(0.0_f64, f64::max);
+    let worst = (0..count)
+        .map(|i| constant * (c.step(i) * monitor[i]).powi(m as i32 + 1))
+        .fold(0.0_f64, f64::max);
     for v in &mut monitor {
         *v += 0.2 * average.max(1e-12);
     }
@@ -86,7 +99,10 @@ pub(crate) fn equidistribute(c: &Collocation<'_>, z: &[f64], settings: &MeshSett
     let (least, most) = settings.bounds;
     let mut number = count;
     if wanted > 1.05 * count as f64 || wanted < 0.7 * count as f64 {
-        number = (1.1 * wanted).min(1.6 * count as f64 + 1.0).max(0.7 * count as f64).ceil() as usize;
+        number = (1.1 * wanted)
+            .min(1.6 * count as f64 + 1.0)
+            .max(0.7 * count as f64)
+            .ceil() as usize;
     }
     number = number.clamp(least.max(2), most.max(least.max(2)));
     let mut mesh = Vec::with_capacity(number + 1);

@@ -34,7 +34,9 @@ pub fn cycles_from_hopf(
     free: usize,
     settings: &Settings,
 ) -> Result<Branch<Orbit>, ContinuationError> {
-    let omega = point.omega.ok_or(ContinuationError::Start("the point carries no frequency: it is no Hopf point"))?;
+    let omega = point.omega.ok_or(ContinuationError::Start(
+        "the point carries no frequency: it is no Hopf point",
+    ))?;
     cycles_from_pair(problem, &point.solution, omega, free, settings)
 }
 
@@ -53,7 +55,11 @@ pub fn cycles_from_pair(
     check(problem, at.state.len(), at.parameters.len(), &[free])?;
     let (c, z, direction) = small_cycle(problem, at, omega, &[free], settings);
     let mut m = Cycles::new(c, settings);
-    run(&mut m, settings, Start::Along(z, direction, settings.initial_step))
+    run(
+        &mut m,
+        settings,
+        Start::Along(z, direction, settings.initial_step),
+    )
 }
 
 /// The equilibrium as a cycle of no amplitude, and the direction of its growth.
@@ -70,7 +76,15 @@ pub(crate) fn small_cycle<'a>(
     let q = eigenvector(n, &jacobian, Complex64::new(0.0, omega));
     let s = &settings.mesh;
     let mesh = mesh::uniform(s.intervals.max(2));
-    let c = Collocation::new(problem, &at.parameters, free, 1, s.degree, mesh, vec![0.0; n]);
+    let c = Collocation::new(
+        problem,
+        &at.parameters,
+        free,
+        1,
+        s.degree,
+        mesh,
+        vec![0.0; n],
+    );
     let mut z = Vec::with_capacity(c.nodes() + 2);
     let mut direction = Vec::with_capacity(c.nodes() + 2);
     for i in 0..c.count() {
@@ -121,29 +135,63 @@ pub fn cycles_from_samples(
     settings: &Settings,
 ) -> Result<Branch<Orbit>, ContinuationError> {
     let n = problem.states();
-    check(problem, samples.states.first().map_or(0, Vec::len), parameters.len(), &[free])?;
+    check(
+        problem,
+        samples.states.first().map_or(0, Vec::len),
+        parameters.len(),
+        &[free],
+    )?;
     if samples.times.len() != samples.states.len() || samples.times.len() < 2 {
-        return Err(ContinuationError::Start("a sampled orbit needs as many states as times, and at least two"));
+        return Err(ContinuationError::Start(
+            "a sampled orbit needs as many states as times, and at least two",
+        ));
     }
     let s = &settings.mesh;
-    let winding: Vec<f64> =
-        (0..n).map(|i| samples.winding.get(i).map_or(0.0, |k| f64::from(*k) * std::f64::consts::TAU)).collect();
+    let winding: Vec<f64> = (0..n)
+        .map(|i| {
+            samples
+                .winding
+                .get(i)
+                .map_or(0.0, |k| f64::from(*k) * std::f64::consts::TAU)
+        })
+        .collect();
     let mesh = mesh::uniform(s.intervals.max(2));
-    let c = Collocation::new(problem, parameters, &[free], samples.periods.max(1), s.degree, mesh, winding);
+    let c = Collocation::new(
+        problem,
+        parameters,
+        &[free],
+        samples.periods.max(1),
+        s.degree,
+        mesh,
+        winding,
+    );
     let period = if c.autonomous {
         samples.period
     } else {
         c.periods as f64 * problem.period(parameters).unwrap_or(f64::NAN)
     };
     if !(period > 0.0 && period.is_finite()) {
-        return Err(ContinuationError::Start("the period of the start is not positive"));
+        return Err(ContinuationError::Start(
+            "the period of the start is not positive",
+        ));
     }
-    let origin = if c.autonomous { samples.times[0] } else { (samples.times[0] / period).floor() * period };
+    let origin = if c.autonomous {
+        samples.times[0]
+    } else {
+        (samples.times[0] / period).floor() * period
+    };
     let mut z = Vec::with_capacity(c.nodes() + 2);
     for i in 0..c.count() {
         for k in 0..c.rule.m {
             let tau = c.mesh[i] + c.rule.nodes[k] * c.step(i);
-            z.extend(sample(problem, samples, parameters, period, origin + tau * period, &c.winding));
+            z.extend(sample(
+                problem,
+                samples,
+                parameters,
+                period,
+                origin + tau * period,
+                &c.winding,
+            ));
         }
     }
     if c.autonomous {
@@ -156,7 +204,14 @@ pub fn cycles_from_samples(
 }
 
 /// Cubic Hermite value of samples at a time, brought into their span by whole periods.
-fn sample(problem: &dyn Problem, s: &Samples<'_>, p: &[f64], period: f64, t: f64, winding: &[f64]) -> Vec<f64> {
+fn sample(
+    problem: &dyn Problem,
+    s: &Samples<'_>,
+    p: &[f64],
+    period: f64,
+    t: f64,
+    winding: &[f64],
+) -> Vec<f64> {
     let n = s.states[0].len();
     let (first, last) = (s.times[0], s.times[s.times.len() - 1]);
     let mut t = t;
@@ -169,16 +224,25 @@ fn sample(problem: &dyn Problem, s: &Samples<'_>, p: &[f64], period: f64, t: f64
         t -= period;
         turns += 1.0;
     }
-    let i = s.times.partition_point(|x| *x <= t).clamp(1, s.times.len() - 1) - 1;
+    let i = s
+        .times
+        .partition_point(|x| *x <= t)
+        .clamp(1, s.times.len() - 1)
+        - 1;
     let (a, b) = (&s.states[i], &s.states[i + 1]);
     let h = s.times[i + 1] - s.times[i];
     let x = (t - s.times[i]) / h;
     let (mut fa, mut fb) = (vec![0.0; n], vec![0.0; n]);
     problem.value(s.times[i], a, p, &mut fa);
     problem.value(s.times[i + 1], b, p, &mut fb);
-    let (h0, h1) = ((1.0 + 2.0 * x) * (1.0 - x) * (1.0 - x), x * x * (3.0 - 2.0 * x));
+    let (h0, h1) = (
+        (1.0 + 2.0 * x) * (1.0 - x) * (1.0 - x),
+        x * x * (3.0 - 2.0 * x),
+    );
     let (g0, g1) = (x * (1.0 - x) * (1.0 - x) * h, x * x * (x - 1.0) * h);
-    (0..n).map(|j| h0 * a[j] + h1 * b[j] + g0 * fa[j] + g1 * fb[j] + turns * winding[j]).collect()
+    (0..n)
+        .map(|j| h0 * a[j] + h1 * b[j] + g0 * fa[j] + g1 * fb[j] + turns * winding[j])
+        .collect()
 }
 
 /// The branch of orbits through a known orbit, in another parameter say.
@@ -204,10 +268,26 @@ pub(crate) fn unpack<'a>(
     free: &[usize],
 ) -> Result<(Collocation<'a>, Vec<f64>), ContinuationError> {
     check(problem, orbit.dimension, orbit.parameters.len(), free)?;
-    let winding = orbit.winding.iter().map(|w| w * std::f64::consts::TAU).collect();
-    let c = Collocation::new(problem, &orbit.parameters, free, orbit.periods, orbit.degree, orbit.mesh.clone(), winding);
+    let winding = orbit
+        .winding
+        .iter()
+        .map(|w| w * std::f64::consts::TAU)
+        .collect();
+    let c = Collocation::new(
+        problem,
+        &orbit.parameters,
+        free,
+        orbit.periods,
+        orbit.degree,
+        orbit.mesh.clone(),
+        winding,
+    );
     if orbit.states.len() != c.nodes() + c.n {
-        return Err(ContinuationError::Shape { what: "values on the mesh", expected: c.nodes() + c.n, found: orbit.states.len() });
+        return Err(ContinuationError::Shape {
+            what: "values on the mesh",
+            expected: c.nodes() + c.n,
+            found: orbit.states.len(),
+        });
     }
     let mut z = orbit.states[..c.nodes()].to_vec();
     if c.autonomous {
@@ -246,7 +326,15 @@ pub fn cycles_doubled(
     let mut direction = v.clone();
     direction.extend(v.iter().map(|x| -x));
     let winding = c.winding.iter().map(|w| 2.0 * w).collect();
-    let double = Collocation::new(problem, &point.solution.parameters, &[free], 2 * c.periods, c.rule.m, mesh, winding);
+    let double = Collocation::new(
+        problem,
+        &point.solution.parameters,
+        &[free],
+        2 * c.periods,
+        c.rule.m,
+        mesh,
+        winding,
+    );
     if double.autonomous {
         start.push(2.0 * z[nodes]);
         direction.push(0.0);
@@ -254,7 +342,11 @@ pub fn cycles_doubled(
     start.push(point.solution.parameters[free]);
     direction.push(0.0);
     let mut m = Cycles::new(double, settings);
-    run(&mut m, settings, Start::Along(start, direction, settings.initial_step))
+    run(
+        &mut m,
+        settings,
+        Start::Along(start, direction, settings.initial_step),
+    )
 }
 
 /// The branch of orbits that crosses another at a branch point of cycles; `side` is 1 or -1.
@@ -274,20 +366,42 @@ pub fn cycles_across(
     m.rescale(&z);
     m.accept(&z);
     m.factor(&z)?;
-    let row: Vec<f64> = point.tangent.iter().zip(m.weights()).map(|(t, w)| t * w).collect();
+    let row: Vec<f64> = point
+        .tangent
+        .iter()
+        .zip(m.weights())
+        .map(|(t, w)| t * w)
+        .collect();
     m.border(&row)?;
-    let direction: Vec<f64> = second_direction(&mut m, &row, &point.tangent).iter().map(|d| d * side).collect();
-    run(&mut m, settings, Start::Along(z, direction, settings.initial_step))
+    let direction: Vec<f64> = second_direction(&mut m, &row, &point.tangent)
+        .iter()
+        .map(|d| d * side)
+        .collect();
+    run(
+        &mut m,
+        settings,
+        Start::Along(z, direction, settings.initial_step),
+    )
 }
 
-fn run(m: &mut Cycles<'_>, settings: &Settings, start: Start) -> Result<Branch<Orbit>, ContinuationError> {
+fn run(
+    m: &mut Cycles<'_>,
+    settings: &Settings,
+    start: Start,
+) -> Result<Branch<Orbit>, ContinuationError> {
     let (forward, backward) = follow_both(m, settings, start)?;
     let approximate = m.c.problem.is_approximate();
-    Ok(assemble(m, forward, backward, approximate, |node| m.orbit(node)))
+    Ok(assemble(m, forward, backward, approximate, |node| {
+        m.orbit(node)
+    }))
 }
 
 /// Corrects at the parameter, adapts the mesh until it suits, then runs.
-fn run_settled(m: &mut Cycles<'_>, settings: &Settings, mut z: Vec<f64>) -> Result<Branch<Orbit>, ContinuationError> {
+fn run_settled(
+    m: &mut Cycles<'_>,
+    settings: &Settings,
+    mut z: Vec<f64>,
+) -> Result<Branch<Orbit>, ContinuationError> {
     let mut corrector = crate::path::Corrector::new(settings);
     for round in 0..6 {
         m.rescale(&z);
@@ -299,7 +413,10 @@ fn run_settled(m: &mut Cycles<'_>, settings: &Settings, mut z: Vec<f64>) -> Resu
         corrector.correct(m, &mut z, &row, target, false)?;
         let before = m.c.mesh.len();
         let mut tangent = vec![0.0; z.len()];
-        if settings.mesh.every == 0 || !m.adapt(&mut z, &mut tangent, settings.mesh.every) || round > 2 && m.c.mesh.len() == before {
+        if settings.mesh.every == 0
+            || !m.adapt(&mut z, &mut tangent, settings.mesh.every)
+            || round > 2 && m.c.mesh.len() == before
+        {
             break;
         }
     }

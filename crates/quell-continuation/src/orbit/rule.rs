@@ -24,8 +24,9 @@ impl Rule {
     /// The rule of degree m, between 2 and 7.
     pub(crate) fn new(m: usize) -> Self {
         let m = m.clamp(2, 7);
-        let nodes: Vec<f64> =
-            (0..=m).map(|k| 0.5 * (1.0 - (std::f64::consts::PI * k as f64 / m as f64).cos())).collect();
+        let nodes: Vec<f64> = (0..=m)
+            .map(|k| 0.5 * (1.0 - (std::f64::consts::PI * k as f64 / m as f64).cos()))
+            .collect();
         let (points, gauss) = gauss(m);
         let mut values = vec![0.0; m * (m + 1)];
         let mut slopes = vec![0.0; m * (m + 1)];
@@ -34,12 +35,29 @@ impl Rule {
             lagrange_slopes(&nodes, *x, &mut slopes[i * (m + 1)..(i + 1) * (m + 1)]);
         }
         // The Gauss rule integrates every Lagrange polynomial exactly.
-        let weights = (0..=m).map(|k| (0..m).map(|i| gauss[i] * values[i * (m + 1) + k]).sum()).collect();
+        let weights = (0..=m)
+            .map(|k| (0..m).map(|i| gauss[i] * values[i * (m + 1) + k]).sum())
+            .collect();
         let factorial: f64 = (1..=m).map(|k| k as f64).product();
         let top = (0..=m)
-            .map(|k| factorial / (0..=m).filter(|j| *j != k).map(|j| nodes[k] - nodes[j]).product::<f64>())
+            .map(|k| {
+                factorial
+                    / (0..=m)
+                        .filter(|j| *j != k)
+                        .map(|j| nodes[k] - nodes[j])
+                        .product::<f64>()
+            })
             .collect();
-        Self { m, nodes, points, gauss, values, slopes, weights, top }
+        Self {
+            m,
+            nodes,
+            points,
+            gauss,
+            values,
+            slopes,
+            weights,
+            top,
+        }
     }
 }
 
@@ -109,20 +127,29 @@ mod tests {
         for m in 2..=7 {
             let rule = Rule::new(m);
             for degree in 0..2 * m {
-                let sum: f64 = (0..m).map(|i| rule.gauss[i] * rule.points[i].powi(degree as i32)).sum();
+                let sum: f64 = (0..m)
+                    .map(|i| rule.gauss[i] * rule.points[i].powi(degree as i32))
+                    .sum();
                 assert!((sum - 1.0 / (degree as f64 + 1.0)).abs() < 1e-14);
             }
             for i in 0..m {
                 let at = |table: &[f64], degree: i32| -> f64 {
-                    (0..=m).map(|k| table[i * (m + 1) + k] * rule.nodes[k].powi(degree)).sum()
+                    (0..=m)
+                        .map(|k| table[i * (m + 1) + k] * rule.nodes[k].powi(degree))
+                        .sum()
                 };
                 for d in 1..=m as i32 {
                     assert!((at(&rule.values, d) - rule.points[i].powi(d)).abs() < 1e-13);
-                    assert!((at(&rule.slopes, d) - f64::from(d) * rule.points[i].powi(d - 1)).abs() < 1e-12);
+                    assert!(
+                        (at(&rule.slopes, d) - f64::from(d) * rule.points[i].powi(d - 1)).abs()
+                            < 1e-12
+                    );
                 }
             }
             let factorial: f64 = (1..=m).map(|k| k as f64).product();
-            let top: f64 = (0..=m).map(|k| rule.top[k] * rule.nodes[k].powi(m as i32)).sum();
+            let top: f64 = (0..=m)
+                .map(|k| rule.top[k] * rule.nodes[k].powi(m as i32))
+                .sum();
             assert!((top - factorial).abs() < 1e-9 * factorial);
         }
     }

@@ -19,7 +19,10 @@ pub(crate) struct Corrector<'a> {
 
 impl<'a> Corrector<'a> {
     pub(crate) fn new(settings: &'a Settings) -> Self {
-        Self { settings, rhs: Vec::new() }
+        Self {
+            settings,
+            rhs: Vec::new(),
+        }
     }
 
     /// Solves F(z) = 0, row · z = target from the given z. `reuse` says that the factorisation at hand is near.
@@ -44,7 +47,11 @@ impl<'a> Corrector<'a> {
             m.border(row)?;
             fresh = true;
         }
-        let limit = if chord { self.settings.newton_iterations + 6 } else { self.settings.newton_iterations };
+        let limit = if chord {
+            self.settings.newton_iterations + 6
+        } else {
+            self.settings.newton_iterations
+        };
         for iteration in 1..=limit {
             self.rhs.resize(n, 0.0);
             m.residual(z, &mut self.rhs)?;
@@ -82,7 +89,11 @@ impl<'a> Corrector<'a> {
                 quality.contraction = quality.contraction.max(ratio.min(1.0));
             }
             let rate = if chord { ratio.clamp(0.0, 0.9) } else { 0.0 };
-            let ahead = if rate > 0.0 { size * rate / (1.0 - rate) } else { size };
+            let ahead = if rate > 0.0 {
+                size * rate / (1.0 - rate)
+            } else {
+                size
+            };
             if size < tolerance || iteration > 1 && ahead < tolerance {
                 return Ok(quality);
             }
@@ -101,7 +112,12 @@ impl<'a> Corrector<'a> {
     }
 
     /// The unit tangent at z with row · t > 0, leaving a factorisation at z bordered by `row`.
-    pub(crate) fn tangent<M: Manifold>(&mut self, m: &mut M, z: &[f64], row: &[f64]) -> Result<Vec<f64>, Failure> {
+    pub(crate) fn tangent<M: Manifold>(
+        &mut self,
+        m: &mut M,
+        z: &[f64],
+        row: &[f64],
+    ) -> Result<Vec<f64>, Failure> {
         m.factor(z)?;
         m.border(row)?;
         let n = m.len();
@@ -122,7 +138,12 @@ impl<'a> Corrector<'a> {
     }
 
     /// Completes a corrected z to a node.
-    pub(crate) fn node<M: Manifold>(&mut self, m: &mut M, z: Vec<f64>, row: &[f64]) -> Result<Node, Failure> {
+    pub(crate) fn node<M: Manifold>(
+        &mut self,
+        m: &mut M,
+        z: Vec<f64>,
+        row: &[f64],
+    ) -> Result<Node, Failure> {
         let tangent = self.tangent(m, &z, row)?;
         Ok(self.dress(m, z, tangent))
     }
@@ -136,6 +157,12 @@ impl<'a> Corrector<'a> {
         } else {
             (crate::dense::Spectrum::default(), Vec::new())
         };
-        Node { z, tangent, spectrum, tests, mesh: m.mesh() }
+        Node {
+            z,
+            tangent,
+            spectrum,
+            tests,
+            mesh: m.mesh(),
+        }
     }
 }

@@ -38,14 +38,27 @@ impl<'n> Segment<'n> {
             return None;
         }
         let origin = project(&a.z);
-        Some(Self { a, b, row, origin, length, slopes })
+        Some(Self {
+            a,
+            b,
+            row,
+            origin,
+            length,
+            slopes,
+        })
     }
 
     /// The cubic through both ends.
     fn guess(&self, s: f64) -> Vec<f64> {
         let x = s / self.length;
-        let (h0, h1) = ((1.0 + 2.0 * x) * (1.0 - x) * (1.0 - x), x * x * (3.0 - 2.0 * x));
-        let (g0, g1) = (x * (1.0 - x) * (1.0 - x) * self.length, x * x * (x - 1.0) * self.length);
+        let (h0, h1) = (
+            (1.0 + 2.0 * x) * (1.0 - x) * (1.0 - x),
+            x * x * (3.0 - 2.0 * x),
+        );
+        let (g0, g1) = (
+            x * (1.0 - x) * (1.0 - x) * self.length,
+            x * x * (x - 1.0) * self.length,
+        );
         (0..self.a.z.len())
             .map(|i| {
                 h0 * self.a.z[i]
@@ -83,24 +96,47 @@ enum Follow {
 }
 
 impl Corrector<'_> {
-    fn at<M: Manifold>(&mut self, m: &mut M, segment: &Segment<'_>, s: f64) -> Result<Node, Failure> {
+    fn at<M: Manifold>(
+        &mut self,
+        m: &mut M,
+        segment: &Segment<'_>,
+        s: f64,
+    ) -> Result<Node, Failure> {
         let mut z = segment.guess(s);
         self.correct(m, &mut z, &segment.row, segment.origin + s, false)?;
         self.node(m, z, &segment.row)
     }
 
     /// Value of what is followed at a node, for the eigenvalue nearest to `near`.
-    fn measure<M: Manifold>(m: &M, segment: &Segment<'_>, node: &Node, follow: &Follow, near: Complex64) -> (f64, Complex64) {
+    fn measure<M: Manifold>(
+        m: &M,
+        segment: &Segment<'_>,
+        node: &Node,
+        follow: &Follow,
+        near: Complex64,
+    ) -> (f64, Complex64) {
         if let Follow::Test(k) = follow {
             return (node.tests.get(*k).copied().unwrap_or(f64::NAN), near);
         }
-        let Some(i) = nearest(&node.spectrum.values, near) else { return (f64::NAN, near) };
+        let Some(i) = nearest(&node.spectrum.values, near) else {
+            return (f64::NAN, near);
+        };
         let value = node.spectrum.values[i];
         if matches!(follow, Follow::Distance) {
             return (m.distance(value), value);
         }
-        let slope: f64 = segment.row.iter().zip(&node.tangent).map(|(r, t)| r * t).sum();
-        let rate = node.spectrum.rates.get(i).copied().unwrap_or(Complex64::new(f64::NAN, 0.0));
+        let slope: f64 = segment
+            .row
+            .iter()
+            .zip(&node.tangent)
+            .map(|(r, t)| r * t)
+            .sum();
+        let rate = node
+            .spectrum
+            .rates
+            .get(i)
+            .copied()
+            .unwrap_or(Complex64::new(f64::NAN, 0.0));
         (m.distance_rate(value, rate) / slope, value)
     }
 
@@ -176,7 +212,13 @@ impl Corrector<'_> {
     }
 
     /// Everything between two successive points, in order.
-    pub(crate) fn examine<M: Manifold>(&mut self, m: &mut M, a: &Node, b: &Node, index: usize) -> Vec<Located> {
+    pub(crate) fn examine<M: Manifold>(
+        &mut self,
+        m: &mut M,
+        a: &Node,
+        b: &Node,
+        index: usize,
+    ) -> Vec<Located> {
         let mut zeros = Vec::new();
         let division = self.settings.shortest_division;
         if let Some(segment) = Segment::new(m, a, b) {
@@ -201,12 +243,18 @@ impl Corrector<'_> {
         start: f64,
         zeros: &mut Vec<Zero>,
     ) {
-        let Some(part) = Segment::new(m, a, b) else { return };
+        let Some(part) = Segment::new(m, a, b) else {
+            return;
+        };
         let length = part.length;
         let scale = whole.length * fraction / length;
         let place = |s: f64| start + s * scale;
-        let ahead = |i: usize| a.spectrum.values[i] + rate(&a.spectrum, i) * (0.5 * length / part.slopes[0]);
-        let back = |j: usize| b.spectrum.values[j] - rate(&b.spectrum, j) * (0.5 * length / part.slopes[1]);
+        let ahead = |i: usize| {
+            a.spectrum.values[i] + rate(&a.spectrum, i) * (0.5 * length / part.slopes[0])
+        };
+        let back = |j: usize| {
+            b.spectrum.values[j] - rate(&b.spectrum, j) * (0.5 * length / part.slopes[1])
+        };
         let pairs = assign(&a.spectrum, &b.spectrum, |i, j| m.gap(ahead(i), back(j)));
         let mut divide = false;
         let mut found: Vec<(Follow, Bracket, bool)> = Vec::new();
@@ -219,32 +267,64 @@ impl Corrector<'_> {
                 divide = true;
             }
             let gap = m.gap(va, vb);
-            if gap > m.longest_gap() && fa.abs().min(fb.abs()) < 2.0 * gap && (fraction > 8.0 * division || crosses) {
+            if gap > m.longest_gap()
+                && fa.abs().min(fb.abs()) < 2.0 * gap
+                && (fraction > 8.0 * division || crosses)
+            {
                 divide = true;
             }
             if va.im < 0.0 || va.im == 0.0 && vb.im < 0.0 {
                 continue;
             }
             if crosses {
-                found.push((Follow::Distance, Bracket { s: [0.0, length], f: [fa, fb], value: [va, vb] }, true));
+                found.push((
+                    Follow::Distance,
+                    Bracket {
+                        s: [0.0, length],
+                        f: [fa, fb],
+                        value: [va, vb],
+                    },
+                    true,
+                ));
                 continue;
             }
             let (ra, rb) = (
-                a.spectrum.rates.get(pair.from).map_or(f64::NAN, |r| m.distance_rate(va, *r)) / part.slopes[0],
-                b.spectrum.rates.get(pair.to).map_or(f64::NAN, |r| m.distance_rate(vb, *r)) / part.slopes[1],
+                a.spectrum
+                    .rates
+                    .get(pair.from)
+                    .map_or(f64::NAN, |r| m.distance_rate(va, *r))
+                    / part.slopes[0],
+                b.spectrum
+                    .rates
+                    .get(pair.to)
+                    .map_or(f64::NAN, |r| m.distance_rate(vb, *r))
+                    / part.slopes[1],
             );
             if !(ra.is_finite() && rb.is_finite()) {
                 continue;
             }
-            if pair.ambiguous && near && fraction > 8.0 * division && (va.im == 0.0) == (vb.im == 0.0) {
+            if pair.ambiguous
+                && near
+                && fraction > 8.0 * division
+                && (va.im == 0.0) == (vb.im == 0.0)
+            {
                 divide = true;
             }
             let side = if fa > 0.0 { 1.0 } else { -1.0 };
             if side * ra < 0.0 && side * rb > 0.0 {
-                let (least, depth) = extremum(side * fa, side * fb, side * ra * length, side * rb * length);
+                let (least, depth) =
+                    extremum(side * fa, side * fb, side * ra * length, side * rb * length);
                 // The cubic's own error is taken as half the depth of its dip.
                 if least - 0.5 * depth <= 0.0 {
-                    found.push((Follow::Slope, Bracket { s: [0.0, length], f: [ra, rb], value: [va, vb] }, false));
+                    found.push((
+                        Follow::Slope,
+                        Bracket {
+                            s: [0.0, length],
+                            f: [ra, rb],
+                            value: [va, vb],
+                        },
+                        false,
+                    ));
                 }
             }
         }
@@ -252,7 +332,16 @@ impl Corrector<'_> {
             if fraction > division {
                 if let Ok(middle) = self.at(m, &part, 0.5 * length) {
                     self.search(m, whole, a, &middle, 0.5 * fraction, division, start, zeros);
-                    self.search(m, whole, &middle, b, 0.5 * fraction, division, place(0.5 * length), zeros);
+                    self.search(
+                        m,
+                        whole,
+                        &middle,
+                        b,
+                        0.5 * fraction,
+                        division,
+                        place(0.5 * length),
+                        zeros,
+                    );
                     return;
                 }
             }
@@ -282,20 +371,42 @@ impl Corrector<'_> {
             };
             let _ = ends;
             if crossing {
-                zeros.push(Zero { s: place(s), node, trigger: Trigger::Crossing(value), error, certainty: Certainty::Located });
+                zeros.push(Zero {
+                    s: place(s),
+                    node,
+                    trigger: Trigger::Crossing(value),
+                    error,
+                    certainty: Certainty::Located,
+                });
                 continue;
             }
             let distance = m.distance(value);
             if distance.abs() <= 1e-9 * (1.0 + value.norm()) {
-                zeros.push(Zero { s: place(s), node, trigger: Trigger::Touch(value), error, certainty: Certainty::Located });
+                zeros.push(Zero {
+                    s: place(s),
+                    node,
+                    trigger: Trigger::Touch(value),
+                    error,
+                    certainty: Certainty::Located,
+                });
             } else if (distance > 0.0) != (outer[0] > 0.0) {
                 for half in 0..2 {
                     let bracket = if half == 0 {
-                        Bracket { s: [0.0, s], f: [outer[0], distance], value: [values[0], value] }
+                        Bracket {
+                            s: [0.0, s],
+                            f: [outer[0], distance],
+                            value: [values[0], value],
+                        }
                     } else {
-                        Bracket { s: [s, length], f: [distance, outer[1]], value: [value, values[1]] }
+                        Bracket {
+                            s: [s, length],
+                            f: [distance, outer[1]],
+                            value: [value, values[1]],
+                        }
                     };
-                    if let Some((s, node, error, value)) = self.root(m, &part, &Follow::Distance, bracket) {
+                    if let Some((s, node, error, value)) =
+                        self.root(m, &part, &Follow::Distance, bracket)
+                    {
                         zeros.push(Zero {
                             s: place(s),
                             node,
@@ -311,9 +422,19 @@ impl Corrector<'_> {
             let (fa, fb) = (a.tests[k], b.tests[k]);
             if fa.is_finite() && fb.is_finite() && (fa > 0.0) != (fb > 0.0) {
                 let zero = Complex64::default();
-                let bracket = Bracket { s: [0.0, length], f: [fa, fb], value: [zero, zero] };
+                let bracket = Bracket {
+                    s: [0.0, length],
+                    f: [fa, fb],
+                    value: [zero, zero],
+                };
                 if let Some((s, node, error, _)) = self.root(m, &part, &Follow::Test(k), bracket) {
-                    zeros.push(Zero { s: place(s), node, trigger: Trigger::Test(k), error, certainty: Certainty::Located });
+                    zeros.push(Zero {
+                        s: place(s),
+                        node,
+                        trigger: Trigger::Test(k),
+                        error,
+                        certainty: Certainty::Located,
+                    });
                 }
             }
         }
@@ -326,7 +447,10 @@ fn extremum(f0: f64, f1: f64, r0: f64, r1: f64) -> (f64, f64) {
     let ends = least;
     for k in 1..64 {
         let x = f64::from(k) / 64.0;
-        let (h0, h1) = ((1.0 + 2.0 * x) * (1.0 - x) * (1.0 - x), x * x * (3.0 - 2.0 * x));
+        let (h0, h1) = (
+            (1.0 + 2.0 * x) * (1.0 - x) * (1.0 - x),
+            x * x * (3.0 - 2.0 * x),
+        );
         let (g0, g1) = (x * (1.0 - x) * (1.0 - x), x * x * (x - 1.0));
         least = least.min(h0 * f0 + h1 * f1 + g0 * r0 + g1 * r1);
     }
@@ -335,11 +459,19 @@ fn extremum(f0: f64, f1: f64, r0: f64, r1: f64) -> (f64, f64) {
 
 /// The derivative of eigenvalue i, or zero where unknown.
 fn rate(s: &Spectrum, i: usize) -> Complex64 {
-    s.rates.get(i).copied().filter(|r| r.re.is_finite() && r.im.is_finite()).unwrap_or_default()
+    s.rates
+        .get(i)
+        .copied()
+        .filter(|r| r.re.is_finite() && r.im.is_finite())
+        .unwrap_or_default()
 }
 
 fn nearest(values: &[Complex64], near: Complex64) -> Option<usize> {
-    (0..values.len()).min_by(|i, j| (values[*i] - near).norm().total_cmp(&(values[*j] - near).norm()))
+    (0..values.len()).min_by(|i, j| {
+        (values[*i] - near)
+            .norm()
+            .total_cmp(&(values[*j] - near).norm())
+    })
 }
 
 /// Names the zeros; two pairs on the axis at one place are one point.
@@ -354,16 +486,25 @@ fn label<M: Manifold>(
 ) -> Vec<Located> {
     let mut out: Vec<Located> = Vec::new();
     let mut count = before;
-    let total = zeros.iter().filter(|z| matches!(z.trigger, Trigger::Crossing(_))).count();
+    let total = zeros
+        .iter()
+        .filter(|z| matches!(z.trigger, Trigger::Crossing(_)))
+        .count();
     let mut seen = 0;
     let mut at = None;
     for zero in zeros {
-        let found = Found { node: &zero.node, trigger: zero.trigger, before: a, after: b };
+        let found = Found {
+            node: &zero.node,
+            trigger: zero.trigger,
+            before: a,
+            after: b,
+        };
         let label = match zero.certainty {
             Certainty::Located => m.classify(&found),
-            Certainty::Unresolved => {
-                Some(m.classify(&found).unwrap_or_else(|| Label::plain(Kind::BranchPoint)))
-            }
+            Certainty::Unresolved => Some(
+                m.classify(&found)
+                    .unwrap_or_else(|| Label::plain(Kind::BranchPoint)),
+            ),
         };
         let was = count;
         if let Trigger::Crossing(_) = zero.trigger {
@@ -373,7 +514,11 @@ fn label<M: Manifold>(
         if let (Trigger::Crossing(v), Certainty::Located) = (zero.trigger, zero.certainty) {
             let multiple = if v.im == 0.0 { 1 } else { 2 };
             let up = rises(m, a, b, v);
-            count = if up { count + multiple } else { count.saturating_sub(multiple) };
+            count = if up {
+                count + multiple
+            } else {
+                count.saturating_sub(multiple)
+            };
             if seen == total {
                 count = after;
             }
@@ -390,7 +535,8 @@ fn label<M: Manifold>(
                 }
                 if matches!(
                     (last.label.kind, label.kind),
-                    (Kind::Hopf, Kind::Fold | Kind::BranchPoint) | (Kind::Fold | Kind::BranchPoint, Kind::Hopf)
+                    (Kind::Hopf, Kind::Fold | Kind::BranchPoint)
+                        | (Kind::Fold | Kind::BranchPoint, Kind::Hopf)
                 ) {
                     last.label.kind = Kind::ZeroHopf;
                     last.label.omega = last.label.omega.or(label.omega);
@@ -409,7 +555,12 @@ fn label<M: Manifold>(
             // Where branches cross the tangent itself is ill determined.
             let chord: Vec<f64> = b.z.iter().zip(&a.z).map(|(b, a)| b - a).collect();
             let x = (zero.s / inner(m.weights(), &chord, &chord).sqrt()).clamp(0.0, 1.0);
-            let mean: Vec<f64> = a.tangent.iter().zip(&b.tangent).map(|(a, b)| a + x * (b - a)).collect();
+            let mean: Vec<f64> = a
+                .tangent
+                .iter()
+                .zip(&b.tangent)
+                .map(|(a, b)| a + x * (b - a))
+                .collect();
             let size = inner(m.weights(), &mean, &mean).sqrt();
             node.tangent = mean.iter().map(|t| t / size).collect();
         }
@@ -430,7 +581,9 @@ fn label<M: Manifold>(
 /// Whether the eigenvalue that is v on the axis is unstable at b.
 fn rises<M: Manifold>(m: &M, a: &Node, b: &Node, v: Complex64) -> bool {
     // The pair that changes side and lies nearest to v decides.
-    let pairs = assign(&a.spectrum, &b.spectrum, |i, j| m.gap(a.spectrum.values[i], b.spectrum.values[j]));
+    let pairs = assign(&a.spectrum, &b.spectrum, |i, j| {
+        m.gap(a.spectrum.values[i], b.spectrum.values[j])
+    });
     let mut best = (f64::INFINITY, true);
     for p in pairs {
         let (x, y) = (a.spectrum.values[p.from], b.spectrum.values[p.to]);

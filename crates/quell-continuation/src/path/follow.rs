@@ -52,7 +52,12 @@ pub(crate) fn follow_both<M: Manifold>(
 ) -> Result<(Trace, Trace), ContinuationError> {
     let mut corrector = Corrector::new(settings);
     let primary = m.parameters()[0];
-    let empty = |node: &Node, stop| Trace { nodes: vec![node.clone()], located: Vec::new(), at: Vec::new(), stop };
+    let empty = |node: &Node, stop| Trace {
+        nodes: vec![node.clone()],
+        located: Vec::new(),
+        at: Vec::new(),
+        stop,
+    };
     let (node, along) = match start {
         Start::AtParameter(mut z) => {
             m.rescale(&z);
@@ -69,12 +74,18 @@ pub(crate) fn follow_both<M: Manifold>(
             m.rescale(&z);
             let size = inner(m.weights(), &direction, &direction).sqrt();
             if !(size > 0.0 && size.is_finite()) {
-                return Err(ContinuationError::Start("the direction of the start vanishes"));
+                return Err(ContinuationError::Start(
+                    "the direction of the start vanishes",
+                ));
             }
             for d in &mut direction {
                 *d /= size;
             }
-            let row: Vec<f64> = direction.iter().zip(m.weights()).map(|(d, w)| d * w).collect();
+            let row: Vec<f64> = direction
+                .iter()
+                .zip(m.weights())
+                .map(|(d, w)| d * w)
+                .collect();
             let origin: f64 = row.iter().zip(&z).map(|(r, z)| r * z).sum();
             let base = z.clone();
             let mut length = distance;
@@ -111,7 +122,12 @@ pub(crate) fn follow_both<M: Manifold>(
         }
         m.restart(&back);
         let z = back.z.clone();
-        let row: Vec<f64> = back.tangent.iter().zip(m.weights()).map(|(t, w)| t * w).collect();
+        let row: Vec<f64> = back
+            .tangent
+            .iter()
+            .zip(m.weights())
+            .map(|(t, w)| t * w)
+            .collect();
         let again = corrector.node(m, z, &row)?;
         follow(m, settings, again)
     };
@@ -121,21 +137,39 @@ pub(crate) fn follow_both<M: Manifold>(
 /// Follows from a node in the direction of its tangent. The factorisation is that of the node.
 pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -> Trace {
     let mut corrector = Corrector::new(settings);
-    let mut trace = Trace { nodes: vec![start.clone()], located: Vec::new(), at: Vec::new(), stop: Stop::Points };
+    let mut trace = Trace {
+        nodes: vec![start.clone()],
+        located: Vec::new(),
+        at: Vec::new(),
+        stop: Stop::Points,
+    };
     let first = start.clone();
     let mut a = start;
     let mut previous: Option<(Vec<f64>, f64)> = None;
     let mut step = settings.initial_step;
     let mut current = true;
     while trace.nodes.len() < settings.maximum_points {
-        if settings.interrupt.as_ref().is_some_and(crate::settings::Interrupt::is_raised) {
+        if settings
+            .interrupt
+            .as_ref()
+            .is_some_and(crate::settings::Interrupt::is_raised)
+        {
             trace.stop = Stop::Interrupted;
             return trace;
         }
         let parameters = m.parameters();
-        let row: Vec<f64> = a.tangent.iter().zip(m.weights()).map(|(t, w)| t * w).collect();
+        let row: Vec<f64> = a
+            .tangent
+            .iter()
+            .zip(m.weights())
+            .map(|(t, w)| t * w)
+            .collect();
         let origin: f64 = row.iter().zip(&a.z).map(|(r, z)| r * z).sum();
-        let mut z: Vec<f64> = a.z.iter().zip(&a.tangent).map(|(z, t)| z + step * t).collect();
+        let mut z: Vec<f64> =
+            a.z.iter()
+                .zip(&a.tangent)
+                .map(|(z, t)| z + step * t)
+                .collect();
         if let Some((t, length)) = &previous {
             let factor = 0.5 * step * step / length;
             for ((z, now), before) in z.iter_mut().zip(&a.tangent).zip(t) {
@@ -210,7 +244,11 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
                 let end = m.ends(kind);
                 trace.located.push(point);
                 if end {
-                    ended = Some(if matches!(kind, Kind::Monitor(_)) { Stop::Monitor } else { Stop::EndOfKind });
+                    ended = Some(if matches!(kind, Kind::Monitor(_)) {
+                        Stop::Monitor
+                    } else {
+                        Stop::EndOfKind
+                    });
                     break;
                 }
             }
@@ -238,10 +276,16 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
             return trace;
         }
         let length = step;
-        let by_angle = if angle > 0.0 { settings.angle / angle } else { 2.0 };
+        let by_angle = if angle > 0.0 {
+            settings.angle / angle
+        } else {
+            2.0
+        };
         let target = if m.chord() { 6.0 } else { 3.5 };
         let by_newton = target / quality.iterations as f64;
-        step = (step * by_angle.min(by_newton).clamp(0.4, 1.6)).min(settings.maximum_step).max(settings.minimum_step);
+        step = (step * by_angle.min(by_newton).clamp(0.4, 1.6))
+            .min(settings.maximum_step)
+            .max(settings.minimum_step);
         previous = Some((a.tangent, length));
         m.accept(&b.z);
         let mut tangent = b.tangent.clone();
@@ -249,10 +293,15 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
         if m.adapt(&mut z, &mut tangent, trace.nodes.len()) {
             previous = None;
             m.rescale(&z);
-            let row: Vec<f64> = tangent.iter().zip(m.weights()).map(|(t, w)| t * w).collect();
+            let row: Vec<f64> = tangent
+                .iter()
+                .zip(m.weights())
+                .map(|(t, w)| t * w)
+                .collect();
             let target: f64 = row.iter().zip(&z).map(|(r, z)| r * z).sum();
-            let again =
-                corrector.correct(m, &mut z, &row, target, false).and_then(|_| corrector.node(m, z, &row));
+            let again = corrector
+                .correct(m, &mut z, &row, target, false)
+                .and_then(|_| corrector.node(m, z, &row));
             match again {
                 Ok(node) => {
                     m.accept(&node.z);
@@ -314,5 +363,6 @@ fn closed<M: Manifold>(m: &M, first: &Node, a: &Node, b: &Node) -> bool {
     }
     let rest: Vec<f64> = to.iter().zip(&chord).map(|(t, c)| t - along * c).collect();
     inner(w, &rest, &rest).sqrt() < 0.1 * length.sqrt()
-        && inner(w, &first.tangent, &chord) > 0.5 * length.sqrt() * inner(w, &first.tangent, &first.tangent).sqrt()
+        && inner(w, &first.tangent, &chord)
+            > 0.5 * length.sqrt() * inner(w, &first.tangent, &first.tangent).sqrt()
 }

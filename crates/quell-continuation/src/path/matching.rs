@@ -33,7 +33,11 @@ pub(crate) fn assign(a: &Spectrum, b: &Spectrum, cost: impl Fn(usize, usize) -> 
         let rival = costs
             .iter()
             .any(|(d, k, l)| ((k == i) != (l == j)) && *d < 2.0 * c + 1e-12);
-        pairs.push(Pair { from: *i, to: *j, ambiguous: rival && *c > 1e-9 * (1.0 + a.values[*i].norm()) });
+        pairs.push(Pair {
+            from: *i,
+            to: *j,
+            ambiguous: rival && *c > 1e-9 * (1.0 + a.values[*i].norm()),
+        });
     }
     pairs.sort_by_key(|p| p.from);
     pairs

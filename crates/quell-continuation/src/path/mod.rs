@@ -102,7 +102,11 @@ pub(crate) struct Node {
 impl Node {
     /// Number of eigenvalues beyond the axis.
     pub(crate) fn unstable<M: Manifold>(&self, m: &M) -> usize {
-        self.spectrum.values.iter().filter(|v| m.distance(**v) > 0.0).count()
+        self.spectrum
+            .values
+            .iter()
+            .filter(|v| m.distance(**v) > 0.0)
+            .count()
     }
 }
 
@@ -136,7 +140,12 @@ pub(crate) struct Label {
 
 impl Label {
     pub(crate) fn plain(kind: Kind) -> Self {
-        Self { kind, omega: None, second_omega: None, normal_form: Vec::new() }
+        Self {
+            kind,
+            omega: None,
+            second_omega: None,
+            normal_form: Vec::new(),
+        }
     }
 }
 

@@ -6,8 +6,8 @@ use crate::close;
 use crate::support::models::*;
 use crate::support::{Exact, Field, Real, integrate};
 use quell_continuation::{
-    Branch, Directions, Kind, MeshSettings, Orbit, Problem, Samples, Settings, Stop, cycles_across, cycles_doubled,
-    cycles_from_hopf, cycles_from_samples, equilibria, equilibria_across,
+    Branch, Directions, Kind, MeshSettings, Orbit, Problem, Samples, Settings, Stop, cycles_across,
+    cycles_doubled, cycles_from_hopf, cycles_from_samples, equilibria, equilibria_across,
 };
 
 use Kind::{CycleBranchPoint, CycleFold, Fold, Hopf, PeriodDoubling, Torus};
@@ -30,7 +30,9 @@ fn has(b: &Branch<Orbit>, kind: Kind, k: usize, p: f64, tolerance: f64) -> f64 {
         .of(kind)
         .into_iter()
         .min_by(|x, y| {
-            (x.solution.parameters[k] - p).abs().total_cmp(&(y.solution.parameters[k] - p).abs())
+            (x.solution.parameters[k] - p)
+                .abs()
+                .total_cmp(&(y.solution.parameters[k] - p).abs())
         })
         .unwrap_or_else(|| panic!("no {kind}\n{}", show(b, k)));
     assert!(
@@ -58,7 +60,11 @@ fn s1_fold_of_cycles() {
     close(period, 0.418_544_969_6, 1e-9);
     only(&b, &[CycleFold], 0);
     // Tiny multipliers of the lag states are kept.
-    let smallest = b.special[0].spectrum.iter().map(|m| m.norm()).fold(f64::INFINITY, f64::min);
+    let smallest = b.special[0]
+        .spectrum
+        .iter()
+        .map(|m| m.norm())
+        .fold(f64::INFINITY, f64::min);
     assert!(smallest < 1e-5 && smallest > 0.0, "{smallest:e}");
 }
 
@@ -72,15 +78,40 @@ fn s2_fold_of_cycles() {
     close(period, 5.296_094_96, 1e-8);
 }
 
-fn settle<P: Problem>(problem: &P, x0: &[f64], p: &[f64], period: f64, warm: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+fn settle<P: Problem>(
+    problem: &P,
+    x0: &[f64],
+    p: &[f64],
+    period: f64,
+    warm: usize,
+) -> (Vec<f64>, Vec<Vec<f64>>) {
     let per = 400;
-    integrate(problem, x0, p, period / f64::from(per), (warm + 1) * per as usize, per as usize + 1)
+    integrate(
+        problem,
+        x0,
+        p,
+        period / f64::from(per),
+        (warm + 1) * per as usize,
+        per as usize + 1,
+    )
 }
 
-fn forced<P: Problem>(problem: &P, x0: &[f64], p: &[f64], warm: usize, s: &Settings) -> Branch<Orbit> {
+fn forced<P: Problem>(
+    problem: &P,
+    x0: &[f64],
+    p: &[f64],
+    warm: usize,
+    s: &Settings,
+) -> Branch<Orbit> {
     let period = problem.period(p).unwrap();
     let (times, states) = settle(problem, x0, p, period, warm);
-    let samples = Samples { times: &times, states: &states, period, periods: 1, winding: &[] };
+    let samples = Samples {
+        times: &times,
+        states: &states,
+        period,
+        periods: 1,
+        winding: &[],
+    };
     cycles_from_samples(problem, &samples, p, 0, s).unwrap()
 }
 
@@ -121,7 +152,14 @@ fn s4_forced_duffing() {
 #[test]
 fn s5_period_doublings() {
     let problem = Exact::<_, 3>(Feedback);
-    let e = equilibria(&problem, &[0.0; 3], &[1.5, 1.0], 0, &Settings::new(&[(0.3, 1.5)])).unwrap();
+    let e = equilibria(
+        &problem,
+        &[0.0; 3],
+        &[1.5, 1.0],
+        0,
+        &Settings::new(&[(0.3, 1.5)]),
+    )
+    .unwrap();
     let mut s = Settings::new(&[(0.5, 1.2)]);
     let b = cycles_from_hopf(&problem, &e.special[0], 0, &s).unwrap();
     let period = has(&b, PeriodDoubling, 0, 0.630_302_006_2, 1e-9);
@@ -139,7 +177,14 @@ fn s5_period_doublings() {
 #[test]
 fn s8_torus() {
     let problem = Exact::<_, 4>(Peroxidase);
-    let e = equilibria(&problem, &[31.7915, 1.454_61, 0.015_245_9, 0.177_611], &[4.2355], 0, &Settings::new(&[(0.5, 5.0)])).unwrap();
+    let e = equilibria(
+        &problem,
+        &[31.7915, 1.454_61, 0.015_245_9, 0.177_611],
+        &[4.2355],
+        0,
+        &Settings::new(&[(0.5, 5.0)]),
+    )
+    .unwrap();
     let mut s = Settings::new(&[(0.5, 5.0)]);
     s.maximum_points = 60;
     let b = cycles_from_hopf(&problem, &e.special[0], 0, &s).unwrap();
@@ -151,7 +196,14 @@ fn s8_torus() {
 #[test]
 fn s10_morris_lecar() {
     let problem = Exact::<_, 2>(MorrisLecar);
-    let e = equilibria(&problem, &[-60.855, 0.014_915], &[0.0], 0, &Settings::new(&[(0.0, 300.0)])).unwrap();
+    let e = equilibria(
+        &problem,
+        &[-60.855, 0.014_915],
+        &[0.0],
+        0,
+        &Settings::new(&[(0.0, 300.0)]),
+    )
+    .unwrap();
     let b = cycles_from_hopf(&problem, &e.special[0], 0, &Settings::new(&[(0.0, 300.0)])).unwrap();
     only(&b, &[CycleFold, CycleFold], 0);
     let t = has(&b, CycleFold, 0, 88.293_250_543, 1e-8);
@@ -164,7 +216,14 @@ fn s10_morris_lecar() {
 #[test]
 fn s12_quintic() {
     let problem = Exact::<_, 2>(Quintic);
-    let e = equilibria(&problem, &[0.0; 2], &[-0.5], 0, &Settings::new(&[(-0.5, 0.5)])).unwrap();
+    let e = equilibria(
+        &problem,
+        &[0.0; 2],
+        &[-0.5],
+        0,
+        &Settings::new(&[(-0.5, 0.5)]),
+    )
+    .unwrap();
     assert!(e.special[0].solution.parameters[0].abs() < 1e-12);
     let b = cycles_from_hopf(&problem, &e.special[0], 0, &Settings::new(&[(-0.5, 0.5)])).unwrap();
     let t = has(&b, CycleFold, 0, -0.25, 1e-9);
@@ -177,14 +236,27 @@ fn s12_quintic() {
 #[test]
 fn s13_van_der_pol_and_its_vertical_family() {
     let problem = Exact::<_, 2>(VanDerPol);
-    let e = equilibria(&problem, &[0.0; 2], &[-0.5], 0, &Settings::new(&[(-0.5, 0.5)])).unwrap();
+    let e = equilibria(
+        &problem,
+        &[0.0; 2],
+        &[-0.5],
+        0,
+        &Settings::new(&[(-0.5, 0.5)]),
+    )
+    .unwrap();
     assert_eq!(e.special.len(), 1);
     let b = cycles_from_hopf(&problem, &e.special[0], 0, &Settings::new(&[(-1.0, 11.0)])).unwrap();
     assert_eq!(b.stop[1], Stop::DegenerateFamily, "{}", show(&b, 0));
     only(&b, &[], 0);
     // From the settled orbit at mu = 1 upwards.
     let (times, states) = settle(&problem, &[2.0, 0.0], &[1.0], 6.6632868593, 20);
-    let samples = Samples { times: &times, states: &states, period: 6.663, periods: 1, winding: &[] };
+    let samples = Samples {
+        times: &times,
+        states: &states,
+        period: 6.663,
+        periods: 1,
+        winding: &[],
+    };
     let mut s = Settings::new(&[(0.5, 10.0)]);
     s.directions = Directions::Forward;
     s.at = vec![5.0, 10.0];
@@ -204,21 +276,45 @@ fn s13_van_der_pol_and_its_vertical_family() {
 #[test]
 fn a1_and_a2() {
     let problem = Exact::<_, 2>(Ab);
-    let e = equilibria(&problem, &[0.0; 2], &[0.0, 14.0], 0, &Settings::new(&[(0.0, 0.5)])).unwrap();
+    let e = equilibria(
+        &problem,
+        &[0.0; 2],
+        &[0.0, 14.0],
+        0,
+        &Settings::new(&[(0.0, 0.5)]),
+    )
+    .unwrap();
     let mut s = Settings::new(&[(0.0, 0.5)]);
     s.at = vec![0.25];
     let b = cycles_from_hopf(&problem, &e.special[0], 0, &s).unwrap();
     close(b.at[0].solution.period, 2.220_34, 1e-4);
     let problem = Exact::<_, 3>(Abc);
-    let e = equilibria(&problem, &[0.0; 3], &[0.0], 0, &Settings::new(&[(0.0, 0.4)])).unwrap();
+    let e = equilibria(
+        &problem,
+        &[0.0; 3],
+        &[0.0],
+        0,
+        &Settings::new(&[(0.0, 0.4)]),
+    )
+    .unwrap();
     let mut found = Vec::new();
     for h in e.of(Hopf) {
         let b = cycles_from_hopf(&problem, h, 0, &Settings::new(&[(0.1, 0.4)])).unwrap();
-        found.extend(b.of(CycleFold).iter().map(|s| (s.solution.parameters[0], s.solution.period)));
+        found.extend(
+            b.of(CycleFold)
+                .iter()
+                .map(|s| (s.solution.parameters[0], s.solution.period)),
+        );
     }
-    for (d, t) in [(0.213_697, 7.611_04), (0.211_903, 8.289_14), (0.224_962, 6.525_51)] {
+    for (d, t) in [
+        (0.213_697, 7.611_04),
+        (0.211_903, 8.289_14),
+        (0.224_962, 6.525_51),
+    ] {
         assert!(
-            found.iter().any(|f| (f.0 / d - 1.0).abs() < 1e-4 && (f.1 / t - 1.0).abs() < 1e-3),
+            found
+                .iter()
+                .any(|f| (f.0 / d - 1.0).abs() < 1e-4 && (f.1 / t - 1.0).abs() < 1e-3),
             "{d} not among {found:?}"
         );
     }
@@ -238,7 +334,13 @@ fn a3_lorenz() {
     let rho = b.points.last().unwrap().solution.parameters[0];
     assert!((rho - 13.9266).abs() < 1e-4, "{rho}");
     let (times, states) = settle(&problem, &[10.0, 20.0, 230.0], &[235.0], 0.474_917, 400);
-    let samples = Samples { times: &times, states: &states, period: 0.474_917, periods: 1, winding: &[] };
+    let samples = Samples {
+        times: &times,
+        states: &states,
+        period: 0.474_917,
+        periods: 1,
+        winding: &[],
+    };
     let mut s = Settings::new(&[(200.0, 240.0)]);
     s.directions = Directions::Backward;
     let b = cycles_from_samples(&problem, &samples, &[235.0], 0, &s).unwrap();
@@ -257,7 +359,10 @@ fn a4_rotations() {
     let (times, states) = integrate(&problem, &[0.0, 0.1, 2.0, 2.0], &[0.3], 0.005, 60_000, 5000);
     // One turn of the first pendulum.
     let first = states[0][0];
-    let turn = states.iter().position(|x| x[0] >= first + 2.0 * PI).unwrap();
+    let turn = states
+        .iter()
+        .position(|x| x[0] >= first + 2.0 * PI)
+        .unwrap();
     let samples = Samples {
         times: &times[..=turn],
         states: &states[..=turn],
@@ -265,7 +370,8 @@ fn a4_rotations() {
         periods: 1,
         winding: &[1, 1],
     };
-    let b = cycles_from_samples(&problem, &samples, &[0.3], 0, &Settings::new(&[(0.1, 0.5)])).unwrap();
+    let b =
+        cycles_from_samples(&problem, &samples, &[0.3], 0, &Settings::new(&[(0.1, 0.5)])).unwrap();
     let t = has(&b, PeriodDoubling, 0, 0.179_163, 1e-4);
     close(t, 3.705_28, 1e-4);
 }
@@ -273,7 +379,14 @@ fn a4_rotations() {
 #[test]
 fn a7_tor() {
     let problem = Exact::<_, 3>(Electronic);
-    let e = equilibria(&problem, &[0.0; 3], &[-0.9], 0, &Settings::new(&[(-0.9, -0.3)])).unwrap();
+    let e = equilibria(
+        &problem,
+        &[0.0; 3],
+        &[-0.9],
+        0,
+        &Settings::new(&[(-0.9, -0.3)]),
+    )
+    .unwrap();
     let s = Settings::new(&[(-0.9, -0.3)]);
     let b = cycles_from_hopf(&problem, e.of(Hopf)[0], 0, &s).unwrap();
     has(&b, CycleFold, 0, -0.584_335, 1e-4);
@@ -288,7 +401,14 @@ fn a7_tor() {
 #[test]
 fn a8_plp() {
     let problem = Exact::<_, 2>(Enzyme);
-    let e = equilibria(&problem, &[110.0, 500.0], &[0.0, 110.0], 0, &Settings::new(&[(0.0, 10.0)])).unwrap();
+    let e = equilibria(
+        &problem,
+        &[110.0, 500.0],
+        &[0.0, 110.0],
+        0,
+        &Settings::new(&[(0.0, 10.0)]),
+    )
+    .unwrap();
     let b = cycles_from_hopf(&problem, e.of(Hopf)[0], 0, &Settings::new(&[(0.0, 10.0)])).unwrap();
     let t = has(&b, CycleFold, 0, 2.759_69, 1e-4);
     close(t, 10.0064, 1e-4);
@@ -328,7 +448,13 @@ fn circle(n: usize, z: f64) -> (Vec<f64>, Vec<Vec<f64>>) {
 fn multipliers_of_a_known_cycle() {
     let problem = Exact::<_, 3>(Known);
     let (times, states) = circle(3, 0.0);
-    let samples = Samples { times: &times, states: &states, period: 6.28, periods: 1, winding: &[] };
+    let samples = Samples {
+        times: &times,
+        states: &states,
+        period: 6.28,
+        periods: 1,
+        winding: &[],
+    };
     for a in [0.3, -1.0, -3.0, -3.7] {
         let mut s = Settings::new(&[(a - 1.0, a + 1.0)]);
         s.maximum_points = 1;
@@ -355,16 +481,28 @@ fn collocation_shows_its_order() {
         for count in [10, 20] {
             let (times, states) = circle(2, 0.0);
             let times: Vec<f64> = times.iter().map(|t| t * exact / (2.0 * PI)).collect();
-            let samples = Samples { times: &times, states: &states, period: exact, periods: 1, winding: &[] };
+            let samples = Samples {
+                times: &times,
+                states: &states,
+                period: exact,
+                periods: 1,
+                winding: &[],
+            };
             let mut s = Settings::new(&[(0.0, 1.0)]);
             s.maximum_points = 1;
             s.newton_tolerance = 1e-13;
-            s.mesh = MeshSettings { every: 0, ..MeshSettings::fixed(count, m) };
+            s.mesh = MeshSettings {
+                every: 0,
+                ..MeshSettings::fixed(count, m)
+            };
             let b = cycles_from_samples(&problem, &samples, &[0.5], 0, &s).unwrap();
             errors.push((b.points[0].solution.period - exact).abs());
         }
         let order = (errors[0] / errors[1]).log2();
-        assert!((order - 2.0 * m as f64).abs() < 0.6, "degree {m}: order {order}, errors {errors:?}");
+        assert!(
+            (order - 2.0 * m as f64).abs() < 0.6,
+            "degree {m}: order {order}, errors {errors:?}"
+        );
     }
 }
 
@@ -386,16 +524,37 @@ impl Field for Uneven {
 fn debug_print() {
     println!("--------- A7");
     let problem = Exact::<_, 3>(Electronic);
-    let e = equilibria(&problem, &[0.0; 3], &[-0.9], 0, &Settings::new(&[(-0.9, -0.3)])).unwrap();
+    let e = equilibria(
+        &problem,
+        &[0.0; 3],
+        &[-0.9],
+        0,
+        &Settings::new(&[(-0.9, -0.3)]),
+    )
+    .unwrap();
     let s = Settings::new(&[(-0.9, -0.3)]);
     let b = cycles_from_hopf(&problem, e.of(Hopf)[0], 0, &s).unwrap();
     println!("{}", show(&b, 0));
     for p in b.points.iter().take(60) {
-        println!("{:.6} T {:.5} max {:.5} N {} {:?}", p.solution.parameters[0], p.solution.period, p.solution.range(0).1, p.solution.mesh.len() - 1, p.spectrum);
+        println!(
+            "{:.6} T {:.5} max {:.5} N {} {:?}",
+            p.solution.parameters[0],
+            p.solution.period,
+            p.solution.range(0).1,
+            p.solution.mesh.len() - 1,
+            p.spectrum
+        );
     }
     let d = cycles_across(&problem, b.of(CycleBranchPoint)[0], 0, 1.0, &s).unwrap();
     println!("{}", show(&d, 0));
     for p in &d.points {
-        println!("{:.6} T {:.5} max {:.5} N {} {:?}", p.solution.parameters[0], p.solution.period, p.solution.range(0).1, p.solution.mesh.len() - 1, p.spectrum);
+        println!(
+            "{:.6} T {:.5} max {:.5} N {} {:?}",
+            p.solution.parameters[0],
+            p.solution.period,
+            p.solution.range(0).1,
+            p.solution.mesh.len() - 1,
+            p.spectrum
+        );
     }
 }

@@ -5,6 +5,7 @@ mod support;
 
 mod curves;
 mod cycles;
+mod diagrams;
 mod equilibria;
 
 /// Relative agreement.

@@ -9,7 +9,13 @@ use quell_continuation::Problem;
 
 /// Numbers that a right-hand side may be evaluated with.
 pub trait Real:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self> + From<f64>
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + From<f64>
 {
     /// The function with these derivatives of order 0 … 3 at the value.
     fn lift(self, f: impl Fn(f64) -> [f64; 4]) -> Self;
@@ -23,10 +29,24 @@ pub trait Real:
         self.lift(|x| [x.cos(), -x.sin(), -x.cos(), x.sin()])
     }
     fn sqrt(self) -> Self {
-        self.lift(|x| [x.sqrt(), 0.5 * x.powf(-0.5), -0.25 * x.powf(-1.5), 0.375 * x.powf(-2.5)])
+        self.lift(|x| {
+            [
+                x.sqrt(),
+                0.5 * x.powf(-0.5),
+                -0.25 * x.powf(-1.5),
+                0.375 * x.powf(-2.5),
+            ]
+        })
     }
     fn inverse(self) -> Self {
-        self.lift(|x| [1.0 / x, -1.0 / (x * x), 2.0 / (x * x * x), -6.0 / (x * x * x * x)])
+        self.lift(|x| {
+            [
+                1.0 / x,
+                -1.0 / (x * x),
+                2.0 / (x * x * x),
+                -6.0 / (x * x * x * x),
+            ]
+        })
     }
     fn tanh(self) -> Self {
         let e = (self * Self::from(2.0)).exp();
@@ -209,7 +229,13 @@ pub trait Field: Sync {
 /// A field with exact derivatives; G is its number of states.
 pub struct Exact<F, const G: usize>(pub F);
 
-fn run<F: Field, R: Real>(field: &F, t: R, x: impl Fn(usize) -> R, p: impl Fn(usize) -> R, mut take: impl FnMut(usize, R)) {
+fn run<F: Field, R: Real>(
+    field: &F,
+    t: R,
+    x: impl Fn(usize) -> R,
+    p: impl Fn(usize) -> R,
+    mut take: impl FnMut(usize, R),
+) {
     let zero = R::from(0.0);
     let (mut xs, mut ps, mut out) = ([zero; 64], [zero; 24], [zero; 64]);
     for (i, v) in xs[..F::N].iter_mut().enumerate() {
@@ -240,16 +266,34 @@ impl<F: Field, const G: usize> Problem for Exact<F, G> {
             g.1[i] = 1.0;
             g
         };
-        run(&self.0, Grad::<G>::from(t), lift, |i| Grad::from(p[i]), |i, v: Grad<G>| {
-            out[i * F::N..(i + 1) * F::N].copy_from_slice(&v.1[..F::N]);
-        });
+        run(
+            &self.0,
+            Grad::<G>::from(t),
+            lift,
+            |i| Grad::from(p[i]),
+            |i, v: Grad<G>| {
+                out[i * F::N..(i + 1) * F::N].copy_from_slice(&v.1[..F::N]);
+            },
+        );
     }
     fn parameter_derivative(&self, t: f64, x: &[f64], p: &[f64], k: usize, out: &mut [f64]) {
         let at = |i: usize| Nil::<2>([p[i], f64::from(u8::from(i == k))]);
-        run(&self.0, Nil::<2>::from(t), |i| Nil::from(x[i]), at, |i, v: Nil<2>| out[i] = v.0[1]);
+        run(
+            &self.0,
+            Nil::<2>::from(t),
+            |i| Nil::from(x[i]),
+            at,
+            |i, v: Nil<2>| out[i] = v.0[1],
+        );
     }
     fn time_derivative(&self, t: f64, x: &[f64], p: &[f64], out: &mut [f64]) {
-        run(&self.0, Nil::<2>([t, 1.0]), |i| Nil::from(x[i]), |i| Nil::from(p[i]), |i, v: Nil<2>| out[i] = v.0[1]);
+        run(
+            &self.0,
+            Nil::<2>([t, 1.0]),
+            |i| Nil::from(x[i]),
+            |i| Nil::from(p[i]),
+            |i, v: Nil<2>| out[i] = v.0[1],
+        );
     }
     fn period(&self, p: &[f64]) -> Option<f64> {
         self.0.period(p)
@@ -259,18 +303,46 @@ impl<F: Field, const G: usize> Problem for Exact<F, G> {
     }
     fn second(&self, t: f64, x: &[f64], p: &[f64], u: &[f64], v: &[f64], out: &mut [f64]) -> bool {
         let at = |i: usize| Nil::<4>([x[i], u[i], v[i], 0.0]);
-        run(&self.0, Nil::<4>::from(t), at, |i| Nil::from(p[i]), |i, v: Nil<4>| out[i] = v.0[3]);
+        run(
+            &self.0,
+            Nil::<4>::from(t),
+            at,
+            |i| Nil::from(p[i]),
+            |i, v: Nil<4>| out[i] = v.0[3],
+        );
         true
     }
-    fn third(&self, t: f64, x: &[f64], p: &[f64], u: &[f64], v: &[f64], w: &[f64], out: &mut [f64]) -> bool {
+    fn third(
+        &self,
+        t: f64,
+        x: &[f64],
+        p: &[f64],
+        u: &[f64],
+        v: &[f64],
+        w: &[f64],
+        out: &mut [f64],
+    ) -> bool {
         let at = |i: usize| Nil::<8>([x[i], u[i], v[i], 0.0, w[i], 0.0, 0.0, 0.0]);
-        run(&self.0, Nil::<8>::from(t), at, |i| Nil::from(p[i]), |i, v: Nil<8>| out[i] = v.0[7]);
+        run(
+            &self.0,
+            Nil::<8>::from(t),
+            at,
+            |i| Nil::from(p[i]),
+            |i, v: Nil<8>| out[i] = v.0[7],
+        );
         true
     }
 }
 
 /// Classical Runge-Kutta, to reach an attractor in tests: (times, states) of the last `keep` steps.
-pub fn integrate(problem: &dyn Problem, x0: &[f64], p: &[f64], h: f64, steps: usize, keep: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+pub fn integrate(
+    problem: &dyn Problem,
+    x0: &[f64],
+    p: &[f64],
+    h: f64,
+    steps: usize,
+    keep: usize,
+) -> (Vec<f64>, Vec<Vec<f64>>) {
     let n = x0.len();
     let mut x = x0.to_vec();
     let (mut times, mut states) = (Vec::new(), Vec::new());
@@ -283,7 +355,15 @@ pub fn integrate(problem: &dyn Problem, x0: &[f64], p: &[f64], h: f64, steps: us
         }
         for s in 0..4 {
             let c = [0.0, 0.5, 0.5, 1.0][s];
-            let y: Vec<f64> = (0..n).map(|i| if s == 0 { x[i] } else { x[i] + c * h * k[s - 1][i] }).collect();
+            let y: Vec<f64> = (0..n)
+                .map(|i| {
+                    if s == 0 {
+                        x[i]
+                    } else {
+                        x[i] + c * h * k[s - 1][i]
+                    }
+                })
+                .collect();
             problem.value(t + c * h, &y, p, &mut k[s]);
         }
         for i in 0..n {

@@ -17,7 +17,8 @@ impl Field for Section {
     fn f<R: Real>(&self, _t: R, x: &[R], p: &[R], out: &mut [R]) {
         let (h, al, w, hd, ad, wd) = (x[0], x[1], x[2], x[3], x[4], x[5]);
         let (u, ka3) = (p[0], p[1]);
-        let (b, a, rho, mw, mt, ia, ca, ch) = (0.15, -0.5, 1.204, 5.3, 16.9, 0.1724, 0.5628, 14.5756);
+        let (b, a, rho, mw, mt, ia, ca, ch) =
+            (0.15, -0.5, 1.204, 5.3, 16.9, 0.1724, 0.5628, 14.5756);
         let (ka, ka2, kh, xa) = (54.1162, 751.6, 3529.4, 0.24);
         let (c0, c1, c2, c3, c4) = (1.0, 0.165, 0.0455, 0.335, 0.3);
         let cc: f64 = c0 - c1 - c3;
@@ -33,7 +34,8 @@ impl Field for Section {
             + r!(2.0 * PI * rho * b * cc) * u2 * al
             + r!(2.0 * PI * rho * c2 * c4 * (c1 + c3)) * u3 * w);
         let r2 = -(r!(-2.0 * PI * (a + 0.5) * rho * b * b * cc) * u * hd
-            + (r!(ca) + r!((0.5 - a) * (1.0 - cc * (1.0 + 2.0 * a)) * PI * rho * b * b * b) * u) * ad
+            + (r!(ca) + r!((0.5 - a) * (1.0 - cc * (1.0 + 2.0 * a)) * PI * rho * b * b * b) * u)
+                * ad
             - r!(2.0 * PI * rho * b * b * (a + 0.5) * (c1 * c2 + c3 * c4)) * u2 * wd
             + (r!(ka) - r!(2.0 * PI * (0.5 + a) * rho * cc * b * b) * u2) * al
             - r!(2.0 * PI * rho * b * (a + 0.5) * c2 * c4 * (c1 + c3)) * u3 * w
@@ -45,7 +47,8 @@ impl Field for Section {
         out[2] = wd;
         out[3] = (r!(m22) * r1 - r!(m12) * r2) * r!(1.0 / det);
         out[4] = (r!(m11) * r2 - r!(m12) * r1) * r!(1.0 / det);
-        out[5] = hd * r!(1.0 / b) - r!(a - 0.5) * ad - r!((c2 + c4) / b) * u * wd + u * al * r!(1.0 / b)
+        out[5] = hd * r!(1.0 / b) - r!(a - 0.5) * ad - r!((c2 + c4) / b) * u * wd
+            + u * al * r!(1.0 / b)
             - r!(c2 * c4 / (b * b)) * u2 * w;
     }
 }
@@ -62,7 +65,8 @@ impl Field for Absorber {
         let r = r!(2.0 * mu2) * lam * (x[2] - x[3]) + lam * lam * (x[0] - x[1]);
         out[0] = x[2];
         out[1] = x[3];
-        out[2] = r!(2.0) * mu1 * (r!(1.0) - x[0] * x[0]) * x[2] - x[0] - a3 * x[0].cube() - r!(eps) * r;
+        out[2] =
+            r!(2.0) * mu1 * (r!(1.0) - x[0] * x[0]) * x[2] - x[0] - a3 * x[0].cube() - r!(eps) * r;
         out[3] = r;
     }
 }
@@ -73,19 +77,34 @@ impl Field for ForcedAbsorber {
     const N: usize = 4;
     const P: usize = 2;
     fn f<R: Real>(&self, t: R, x: &[R], p: &[R], out: &mut [R]) {
-        let (eps, mu1, a3, lam, mu2, b3) = (0.05, 0.001, 1.0, 0.952_372_044_34, 0.133_937_726_52, 0.083_333_3);
+        let (eps, mu1, a3, lam, mu2, b3) = (
+            0.05,
+            0.001,
+            1.0,
+            0.952_372_044_34,
+            0.133_937_726_52,
+            0.083_333_3,
+        );
         let d = x[0] - x[1];
         let r = r!(2.0 * mu2 * lam) * (x[2] - x[3]) + r!(lam * lam) * d + r!(b3) * d.cube();
         out[0] = x[2];
         out[1] = x[3];
-        out[2] = p[1] * (p[0] * t).cos() - r!(2.0 * mu1) * x[2] - x[0] - r!(a3) * x[0].cube() - r!(eps) * r;
+        out[2] = p[1] * (p[0] * t).cos()
+            - r!(2.0 * mu1) * x[2]
+            - x[0]
+            - r!(a3) * x[0].cube()
+            - r!(eps) * r;
         out[3] = r;
     }
     fn period(&self, p: &[f64]) -> Option<f64> {
         Some(2.0 * PI / p[0])
     }
     fn period_derivative(&self, p: &[f64], k: usize) -> f64 {
-        if k == 0 { -2.0 * PI / (p[0] * p[0]) } else { 0.0 }
+        if k == 0 {
+            -2.0 * PI / (p[0] * p[0])
+        } else {
+            0.0
+        }
     }
 }
 
@@ -102,7 +121,11 @@ impl Field for Duffing {
         Some(2.0 * PI / p[0])
     }
     fn period_derivative(&self, p: &[f64], k: usize) -> f64 {
-        if k == 0 { -2.0 * PI / (p[0] * p[0]) } else { 0.0 }
+        if k == 0 {
+            -2.0 * PI / (p[0] * p[0])
+        } else {
+            0.0
+        }
     }
 }
 
@@ -153,7 +176,16 @@ impl Field for Peroxidase {
     const N: usize = 4;
     const P: usize = 1;
     fn f<R: Real>(&self, _t: R, s: &[R], p: &[R], out: &mut [R]) {
-        let (k1, k2, k3, k4, k5, k6, km7, k8) = (0.163_102_1, 1250.0, 0.046_875, 20.0, 1.104, 0.001, 0.1175, 0.5);
+        let (k1, k2, k3, k4, k5, k6, km7, k8) = (
+            0.163_102_1,
+            1250.0,
+            0.046_875,
+            20.0,
+            1.104,
+            0.001,
+            0.1175,
+            0.5,
+        );
         let (a, b, x, y) = (s[0], s[1], s[2], s[3]);
         let abx = r!(k1) * a * b * x;
         let aby = r!(k3) * a * b * y;
@@ -174,7 +206,10 @@ impl Field for MorrisLecar {
         let m = (r!(1.0) + ((v + r!(1.2)) * r!(1.0 / 18.0)).tanh()) * r!(0.5);
         let wi = (r!(1.0) + ((v - r!(2.0)) * r!(1.0 / 30.0)).tanh()) * r!(0.5);
         let rate = ((v - r!(2.0)) * r!(1.0 / 60.0)).cosh();
-        out[0] = (p[0] - r!(4.4) * m * (v - r!(120.0)) - r!(8.0) * w * (v + r!(84.0)) - r!(2.0) * (v + r!(60.0)))
+        out[0] = (p[0]
+            - r!(4.4) * m * (v - r!(120.0))
+            - r!(8.0) * w * (v + r!(84.0))
+            - r!(2.0) * (v + r!(60.0)))
             * r!(0.05);
         out[1] = r!(0.04) * (wi - w) * rate;
     }
@@ -279,7 +314,8 @@ impl Field for Electronic {
         let (be, ga, r, a3, b3) = (0.5, -0.6, 0.6, 0.328_578, 0.933_578);
         let d = x[1] - x[0];
         let cubic = r!(b3) * d.cube();
-        out[0] = (-((r!(be) + p[0]) * x[0]) + r!(be) * x[1] - r!(a3) * x[0].cube() + cubic) * r!(1.0 / r);
+        out[0] = (-((r!(be) + p[0]) * x[0]) + r!(be) * x[1] - r!(a3) * x[0].cube() + cubic)
+            * r!(1.0 / r);
         out[1] = r!(be) * x[0] - r!(be + ga) * x[1] - x[2] - cubic;
         out[2] = x[1];
     }
