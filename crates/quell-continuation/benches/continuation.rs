@@ -1,5 +1,5 @@
 //! The work of the reference table, a point at a time: `cargo bench -p quell-continuation`. Items are points of a branch.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::wildcard_imports)]
 
 #[path = "../tests/support/mod.rs"]
 mod support;

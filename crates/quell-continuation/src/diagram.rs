@@ -107,7 +107,7 @@ pub fn diagram(
                         }
                         Err(error) => {
                             out.failed
-                                .push((member.name.clone(), point.label.clone(), error))
+                                .push((member.name.clone(), point.label.clone(), error));
                         }
                     }
                 }

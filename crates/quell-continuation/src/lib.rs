@@ -1,7 +1,13 @@
 //! Branches of equilibria and periodic orbits of ẋ = f(t, x, p), their special points and the curves of those.
 //!
 //! A [`Problem`] offers f with exact derivatives; the crate knows nothing else about it.
-#![allow(clippy::needless_range_loop)] // index arithmetic mirrors the formulas
+#![allow(
+    clippy::needless_range_loop, // index arithmetic mirrors the formulas
+    clippy::type_complexity,     // tuples that never leave their module
+    clippy::neg_cmp_op_on_partial_ord, // NaN must fail these tests
+    clippy::cast_possible_wrap,  // degrees are at most seven
+    clippy::needless_pass_by_value, // traces are handed over
+)]
 
 mod branch;
 mod curve;

@@ -207,7 +207,7 @@ pub(crate) fn eigenvalues(n: usize, matrix: &[f64]) -> Option<Vec<Complex64>> {
                     }
                 }
             }
-            if k + 1 <= last {
+            if k < last {
                 x = a[(k + 1) * n + k];
                 y = if k + 2 <= last {
                     a[(k + 2) * n + k]

@@ -162,14 +162,6 @@ impl<S: Scalar> Lu<S> {
             b.swap(k, self.pivots[k]);
         }
     }
-
-    /// Smallest pivot over the largest entry: a cheap sign of singularity.
-    pub(crate) fn smallest_pivot(&self) -> f64 {
-        let smallest = (0..self.n)
-            .map(|i| self.a[i * self.n + i].size())
-            .fold(f64::INFINITY, f64::min);
-        smallest / self.scale.max(f64::MIN_POSITIVE)
-    }
 }
 
 impl Lu<f64> {

@@ -8,7 +8,7 @@ mod lu;
 mod product;
 
 pub(crate) use eigen::{Spectrum, eigenvalues, eigenvector, left_eigenvector};
-pub(crate) use lu::{Lu, Scalar};
+pub(crate) use lu::Lu;
 pub(crate) use product::product_eigenvalues;
 
 /// Σ `a_i` `b_i`.

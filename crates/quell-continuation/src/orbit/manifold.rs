@@ -268,7 +268,7 @@ impl Manifold for Cycles<'_> {
 
     fn adapt(&mut self, z: &mut Vec<f64>, tangent: &mut Vec<f64>, count: usize) -> bool {
         let s = &self.settings.mesh;
-        if s.every == 0 || count % s.every != 0 {
+        if s.every == 0 || !count.is_multiple_of(s.every) {
             return false;
         }
         let (mesh, worst) = mesh::equidistribute(&self.c, z, s);

@@ -111,6 +111,7 @@ impl<'a> Corrector<'a> {
         Err(Failure::NoConvergence(quality.last))
     }
 
+    #[allow(clippy::unused_self)] // beside `correct`, with which it is always used
     /// The unit tangent at z with row · t > 0, leaving a factorisation at z bordered by `row`.
     pub(crate) fn tangent<M: Manifold>(
         &mut self,

@@ -199,10 +199,10 @@ impl Corrector<'_> {
             bracket.s[side] = s;
             bracket.f[side] = f;
             bracket.value[side] = value;
-            if let Some(b) = &mut best {
-                if better {
-                    b.2 = moved.min(bracket.s[1] - bracket.s[0]);
-                }
+            if let Some(b) = &mut best
+                && better
+            {
+                b.2 = moved.min(bracket.s[1] - bracket.s[0]);
             }
             if f.abs() <= tolerance || better && moved < 1e-11 * segment.length.max(1e-3) {
                 break;
@@ -329,21 +329,21 @@ impl Corrector<'_> {
             }
         }
         if divide {
-            if fraction > division {
-                if let Ok(middle) = self.at(m, &part, 0.5 * length) {
-                    self.search(m, whole, a, &middle, 0.5 * fraction, division, start, zeros);
-                    self.search(
-                        m,
-                        whole,
-                        &middle,
-                        b,
-                        0.5 * fraction,
-                        division,
-                        place(0.5 * length),
-                        zeros,
-                    );
-                    return;
-                }
+            if fraction > division
+                && let Ok(middle) = self.at(m, &part, 0.5 * length)
+            {
+                self.search(m, whole, a, &middle, 0.5 * fraction, division, start, zeros);
+                self.search(
+                    m,
+                    whole,
+                    &middle,
+                    b,
+                    0.5 * fraction,
+                    division,
+                    place(0.5 * length),
+                    zeros,
+                );
+                return;
             }
             let value = found.first().map_or(Complex64::default(), |f| f.1.value[1]);
             zeros.push(Zero {
@@ -524,29 +524,27 @@ fn label<M: Manifold>(
             }
         }
         let near = at.is_some_and(|s: f64| (zero.s - s).abs() < 1e-6);
-        if near {
-            if let Some(last) = out.last_mut() {
-                if last.label.kind == label.kind && label.kind == Kind::Hopf {
-                    last.label.kind = Kind::HopfHopf;
-                    last.label.second_omega = label.omega;
-                    last.label.normal_form.extend(&label.normal_form);
-                    last.after = count;
-                    continue;
-                }
-                if matches!(
-                    (last.label.kind, label.kind),
-                    (Kind::Hopf, Kind::Fold | Kind::BranchPoint)
-                        | (Kind::Fold | Kind::BranchPoint, Kind::Hopf)
-                ) {
-                    last.label.kind = Kind::ZeroHopf;
-                    last.label.omega = last.label.omega.or(label.omega);
-                    last.after = count;
-                    continue;
-                }
-                if last.label.kind == label.kind && !matches!(label.kind, Kind::Monitor(_)) {
-                    last.after = count;
-                    continue;
-                }
+        if near && let Some(last) = out.last_mut() {
+            if last.label.kind == label.kind && label.kind == Kind::Hopf {
+                last.label.kind = Kind::HopfHopf;
+                last.label.second_omega = label.omega;
+                last.label.normal_form.extend(&label.normal_form);
+                last.after = count;
+                continue;
+            }
+            if matches!(
+                (last.label.kind, label.kind),
+                (Kind::Hopf, Kind::Fold | Kind::BranchPoint)
+                    | (Kind::Fold | Kind::BranchPoint, Kind::Hopf)
+            ) {
+                last.label.kind = Kind::ZeroHopf;
+                last.label.omega = last.label.omega.or(label.omega);
+                last.after = count;
+                continue;
+            }
+            if last.label.kind == label.kind && !matches!(label.kind, Kind::Monitor(_)) {
+                last.after = count;
+                continue;
             }
         }
         at = Some(zero.s);
@@ -571,7 +569,6 @@ fn label<M: Manifold>(
             after: count,
             certainty: zero.certainty,
             error: zero.error,
-            offset: zero.s,
             index,
         });
     }

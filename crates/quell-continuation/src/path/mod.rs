@@ -159,8 +159,6 @@ pub(crate) struct Located {
     pub(crate) certainty: Certainty,
     /// Uncertainty of the position, scaled arclength.
     pub(crate) error: f64,
-    /// Position within its step.
-    pub(crate) offset: f64,
     /// Index of the point after which it lies.
     pub(crate) index: usize,
 }

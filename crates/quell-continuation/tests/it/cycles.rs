@@ -451,7 +451,7 @@ fn multipliers_of_a_known_cycle() {
     let samples = Samples {
         times: &times,
         states: &states,
-        period: 6.28,
+        period: 6.2,
         periods: 1,
         winding: &[],
     };
@@ -516,45 +516,5 @@ impl Field for Uneven {
         let w = R::from(1.0) + p[0] * x[0];
         out[0] = g * x[0] - w * x[1];
         out[1] = g * x[1] + w * x[0];
-    }
-}
-
-#[test]
-#[ignore = "prints"]
-fn debug_print() {
-    println!("--------- A7");
-    let problem = Exact::<_, 3>(Electronic);
-    let e = equilibria(
-        &problem,
-        &[0.0; 3],
-        &[-0.9],
-        0,
-        &Settings::new(&[(-0.9, -0.3)]),
-    )
-    .unwrap();
-    let s = Settings::new(&[(-0.9, -0.3)]);
-    let b = cycles_from_hopf(&problem, e.of(Hopf)[0], 0, &s).unwrap();
-    println!("{}", show(&b, 0));
-    for p in b.points.iter().take(60) {
-        println!(
-            "{:.6} T {:.5} max {:.5} N {} {:?}",
-            p.solution.parameters[0],
-            p.solution.period,
-            p.solution.range(0).1,
-            p.solution.mesh.len() - 1,
-            p.spectrum
-        );
-    }
-    let d = cycles_across(&problem, b.of(CycleBranchPoint)[0], 0, 1.0, &s).unwrap();
-    println!("{}", show(&d, 0));
-    for p in &d.points {
-        println!(
-            "{:.6} T {:.5} max {:.5} N {} {:?}",
-            p.solution.parameters[0],
-            p.solution.period,
-            p.solution.range(0).1,
-            p.solution.mesh.len() - 1,
-            p.spectrum
-        );
     }
 }

@@ -1,3 +1,17 @@
+#![allow(
+    clippy::needless_range_loop,
+    clippy::wildcard_imports,
+    clippy::semicolon_if_nothing_returned,
+    unreachable_pub,
+    missing_docs,
+    clippy::suspicious_arithmetic_impl,
+    clippy::missing_panics_doc,
+    clippy::too_many_arguments,
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::unreadable_literal,
+    clippy::used_underscore_binding
+)] // test code
 //! Reference figures, closed forms and behaviour at the edges.
 
 #[path = "../support/mod.rs"]

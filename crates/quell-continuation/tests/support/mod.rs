@@ -1,5 +1,10 @@
 //! Right-hand sides written once and differentiated exactly by nilpotent numbers.
-#![allow(dead_code, clippy::needless_range_loop)]
+#![allow(
+    dead_code,
+    unreachable_pub,
+    clippy::needless_range_loop,
+    clippy::suspicious_arithmetic_impl
+)]
 
 pub mod models;
 
