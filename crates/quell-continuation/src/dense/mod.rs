@@ -1,0 +1,53 @@
+//! Dense kernels for small matrices, row major, without allocation in inner loops.
+//!
+//! General libraries allocate per call and block for sizes that never occur here; below about forty states these plain
+//! loops are faster.
+
+mod eigen;
+mod lu;
+mod product;
+
+pub(crate) use eigen::{Spectrum, eigenvalues, eigenvector, left_eigenvector};
+pub(crate) use lu::Lu;
+pub(crate) use product::product_eigenvalues;
+
+/// Σ `a_i` `b_i`.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for (x, y) in a.iter().zip(b) {
+        sum += x * y;
+    }
+    sum
+}
+
+/// `y += s x`.
+pub(crate) fn axpy(s: f64, x: &[f64], y: &mut [f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += s * x;
+    }
+}
+
+/// Euclidean norm.
+pub(crate) fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Largest absolute value; NaN if any entry is.
+pub(crate) fn largest(a: &[f64]) -> f64 {
+    let mut best = 0.0_f64;
+    for x in a {
+        let x = x.abs();
+        if x.is_nan() {
+            return f64::NAN;
+        }
+        best = best.max(x);
+    }
+    best
+}
+
+/// y = A x for a row-major A with `x.len()` columns.
+pub(crate) fn multiply(a: &[f64], x: &[f64], y: &mut [f64]) {
+    for (row, y) in a.chunks_exact(x.len()).zip(y) {
+        *y = dot(row, x);
+    }
+}

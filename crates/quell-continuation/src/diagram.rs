@@ -1,0 +1,379 @@
+//! Automatic diagrams: equilibria found by multi-start and deflation, their branches, the cycles born on them.
+
+use rayon::prelude::*;
+
+use crate::branch::{Branch, Equilibrium, Special};
+use crate::dense::{Lu, norm};
+use crate::equilibrium::{check, equilibria, equilibria_across};
+use crate::kind::{Certainty, Kind};
+use crate::orbit::{Orbit, cycles_across, cycles_doubled, cycles_from_hopf};
+use crate::problem::Problem;
+use crate::settings::{ContinuationError, Settings, Stop};
+
+/// What a diagram looks for.
+#[derive(Clone, Debug)]
+pub struct DiagramSettings {
+    /// Settings of every branch; the first range is that of the parameter.
+    pub branch: Settings,
+    /// Box in which equilibria are sought, one pair a state.
+    pub states: Vec<(f64, f64)>,
+    /// Starts of Newton in the box at each of three values of the parameter.
+    pub starts: usize,
+    /// How often a switch (across, to cycles, to doubled cycles) may follow another.
+    pub depth: usize,
+}
+
+/// One branch of a diagram.
+#[derive(Clone, Debug)]
+pub struct Member<S> {
+    /// Name: `E1`, `E2` … for equilibria, `C1` … for cycles.
+    pub name: String,
+    /// Where it starts: name of the branch and label of the special point; None for a start found by search.
+    pub parent: Option<(String, String)>,
+    /// The branch.
+    pub branch: Branch<S>,
+}
+
+/// Branches of equilibria and cycles, each once; of mirror images one.
+#[derive(Clone, Debug, Default)]
+pub struct Diagram {
+    /// Branches of equilibria.
+    pub equilibria: Vec<Member<Equilibrium>>,
+    /// Branches of cycles.
+    pub cycles: Vec<Member<Orbit>>,
+    /// Whether f(-x) = -f(x), so that mirror images were left out.
+    pub odd: bool,
+    /// Switches that failed: name of the branch, label of the point, reason.
+    pub failed: Vec<(String, String, ContinuationError)>,
+}
+
+/// The diagram of a problem in the parameter of index `free`.
+///
+/// Equilibria at both ends and the middle of the range are sought by damped, deflated Newton (Farrell, Birkisson and Funke,
+/// SIAM J. Sci. Comput. 37, 2015) from points of an additive recurrence, so the same settings give the same diagram.
+///
+/// # Errors
+///
+/// Where lengths do not fit or the range is not finite. A start or switch that fails is listed in the diagram.
+pub fn diagram(
+    problem: &dyn Problem,
+    parameters: &[f64],
+    free: usize,
+    settings: &DiagramSettings,
+) -> Result<Diagram, ContinuationError> {
+    check(problem, settings.states.len(), parameters.len(), &[free])?;
+    let (low, high) = settings.branch.range(0);
+    if !(low.is_finite() && high.is_finite()) {
+        return Err(ContinuationError::Start(
+            "a diagram needs a finite range of its parameter",
+        ));
+    }
+    let mut out = Diagram {
+        odd: is_odd(problem, parameters, &settings.states),
+        ..Diagram::default()
+    };
+    for value in [low, 0.5 * (low + high), high] {
+        let mut p = parameters.to_vec();
+        p[free] = value;
+        for state in roots(problem, &p, settings) {
+            if out.holds(&state, &p, free) {
+                continue;
+            }
+            match equilibria(problem, &state, &p, free, &settings.branch) {
+                Ok(branch) => out.add_equilibria(None, branch),
+                Err(error) => out.failed.push((String::new(), format!("{value}"), error)),
+            }
+        }
+    }
+    let mut next = 0;
+    for _ in 0..settings.depth {
+        let end = out.equilibria.len();
+        for index in next..end {
+            let member = out.equilibria[index].clone();
+            for point in member.branch.of(Kind::BranchPoint) {
+                if point.certainty == Certainty::Unresolved {
+                    continue;
+                }
+                for side in [1.0, -1.0] {
+                    match equilibria_across(problem, point, free, side, &settings.branch) {
+                        Ok(branch) => {
+                            let probe = &branch.points[branch.points.len() / 2].solution;
+                            if !out.holds(&probe.state, &probe.parameters, free) {
+                                out.add_equilibria(
+                                    Some((member.name.clone(), point.label.clone())),
+                                    branch,
+                                );
+                            }
+                        }
+                        Err(error) => {
+                            out.failed
+                                .push((member.name.clone(), point.label.clone(), error));
+                        }
+                    }
+                }
+            }
+        }
+        next = end;
+    }
+    if settings.depth > 0 {
+        out.cycles(problem, free, settings);
+    }
+    Ok(out)
+}
+
+impl Diagram {
+    fn add_equilibria(&mut self, parent: Option<(String, String)>, branch: Branch<Equilibrium>) {
+        let name = format!("E{}", self.equilibria.len() + 1);
+        self.equilibria.push(Member {
+            name,
+            parent,
+            branch,
+        });
+    }
+
+    /// Whether an equilibrium, or its mirror image, lies on a branch already computed.
+    fn holds(&self, state: &[f64], parameters: &[f64], free: usize) -> bool {
+        let value = parameters[free];
+        self.equilibria.iter().any(|m| {
+            m.branch.points.windows(2).any(|pair| {
+                let (a, b) = (&pair[0].solution, &pair[1].solution);
+                let chord: Vec<f64> = b.state.iter().zip(&a.state).map(|(b, a)| b - a).collect();
+                let rise = b.parameters[free] - a.parameters[free];
+                let images = if self.odd { 2 } else { 1 };
+                (0..images).any(|image| {
+                    let sign = if image == 0 { 1.0 } else { -1.0 };
+                    let to: Vec<f64> = state
+                        .iter()
+                        .zip(&a.state)
+                        .map(|(x, a)| sign * x - a)
+                        .collect();
+                    let up = value - a.parameters[free];
+                    // Distance from the chord in the state, at the place along it where the parameter agrees, or where
+                    // the state is nearest if the parameter hardly moves.
+                    let length = crate::dense::dot(&chord, &chord);
+                    let along = crate::dense::dot(&chord, &to);
+                    let x = (along + up * rise) / (length + rise * rise).max(1e-300);
+                    if !(-0.05..=1.05).contains(&x) {
+                        return false;
+                    }
+                    let gap: Vec<f64> = to.iter().zip(&chord).map(|(t, c)| t - x * c).collect();
+                    let span = (length + rise * rise).sqrt();
+                    norm(&gap).hypot(up - x * rise) <= 0.1 * span + 1e-6 * (1.0 + norm(state))
+                })
+            })
+        })
+    }
+
+    fn cycles(&mut self, problem: &dyn Problem, free: usize, settings: &DiagramSettings) {
+        let mut starts: Vec<(String, Special<Equilibrium>)> = Vec::new();
+        for member in &self.equilibria {
+            for point in &member.branch.special {
+                if matches!(point.kind, Kind::Hopf | Kind::HopfHopf)
+                    && point.certainty == Certainty::Located
+                {
+                    starts.push((member.name.clone(), point.clone()));
+                }
+            }
+        }
+        // All in parallel, then kept in order: a branch that ends at a later start makes that one superfluous.
+        let found: Vec<_> = starts
+            .par_iter()
+            .map(|(_, point)| cycles_from_hopf(problem, point, free, &settings.branch))
+            .collect();
+        let mut level = Vec::new();
+        for ((name, point), result) in starts.iter().zip(found) {
+            let met = self
+                .cycles
+                .iter()
+                .any(|c| ends_at(&c.branch, &point.solution, free, self.odd));
+            match result {
+                _ if met => {}
+                Ok(branch) => {
+                    level.push(self.cycles.len());
+                    self.add_cycles(Some((name.clone(), point.label.clone())), branch);
+                }
+                Err(error) => self.failed.push((name.clone(), point.label.clone(), error)),
+            }
+        }
+        for _ in 1..settings.depth {
+            let mut switches = Vec::new();
+            for index in std::mem::take(&mut level) {
+                let member = &self.cycles[index];
+                for point in &member.branch.special {
+                    if point.certainty == Certainty::Located
+                        && matches!(point.kind, Kind::PeriodDoubling | Kind::CycleBranchPoint)
+                    {
+                        switches.push((member.name.clone(), point.clone()));
+                    }
+                }
+            }
+            let found: Vec<_> = switches
+                .par_iter()
+                .map(|(_, point)| {
+                    if point.kind == Kind::PeriodDoubling {
+                        cycles_doubled(problem, point, free, &settings.branch)
+                    } else {
+                        cycles_across(problem, point, free, 1.0, &settings.branch)
+                    }
+                })
+                .collect();
+            for ((name, point), result) in switches.iter().zip(found) {
+                match result {
+                    Ok(branch) if self.repeats(&branch, free) => {}
+                    Ok(branch) => {
+                        level.push(self.cycles.len());
+                        self.add_cycles(Some((name.clone(), point.label.clone())), branch);
+                    }
+                    Err(error) => self.failed.push((name.clone(), point.label.clone(), error)),
+                }
+            }
+        }
+    }
+
+    fn add_cycles(&mut self, parent: Option<(String, String)>, branch: Branch<Orbit>) {
+        let name = format!("C{}", self.cycles.len() + 1);
+        self.cycles.push(Member {
+            name,
+            parent,
+            branch,
+        });
+    }
+
+    /// Whether a branch of cycles passes the special points of one already kept.
+    fn repeats(&self, branch: &Branch<Orbit>, free: usize) -> bool {
+        let Some(first) = branch.special.first() else {
+            return false;
+        };
+        self.cycles.iter().flat_map(|c| &c.branch.special).any(|s| {
+            s.kind == first.kind
+                && (s.solution.period / first.solution.period - 1.0).abs() < 1e-6
+                && (s.solution.parameters[free] - first.solution.parameters[free]).abs()
+                    < 1e-6 * (1.0 + first.solution.parameters[free].abs())
+        })
+    }
+}
+
+/// Whether a branch of cycles shrinks to an equilibrium (or its mirror image).
+fn ends_at(branch: &Branch<Orbit>, at: &Equilibrium, free: usize, odd: bool) -> bool {
+    if branch.stop[1] != Stop::Vanished {
+        return false;
+    }
+    let Some(last) = branch.points.last() else {
+        return false;
+    };
+    let orbit = &last.solution;
+    let n = orbit.dimension;
+    let (mut gap, mut mirror, mut size) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for i in 0..n {
+        let (low, high) = orbit.range(i);
+        let middle = 0.5 * (low + high);
+        gap = gap.max((middle - at.state[i]).abs());
+        mirror = mirror.max((middle + at.state[i]).abs());
+        size = size.max(high - low);
+    }
+    let before = &branch.points[branch.points.len().saturating_sub(2)].solution;
+    let moved = (before.parameters[free] - orbit.parameters[free]).abs();
+    let near = gap <= size || odd && mirror <= size;
+    near && (orbit.parameters[free] - at.parameters[free]).abs() <= 10.0 * moved + 1e-6
+}
+
+/// Whether f(-x) = -f(x) at a few points of the box.
+fn is_odd(problem: &dyn Problem, parameters: &[f64], states: &[(f64, f64)]) -> bool {
+    let n = problem.states();
+    (1..=4).all(|k| {
+        let x = point(states, k);
+        let mirror: Vec<f64> = x.iter().map(|x| -x).collect();
+        let (mut f, mut g) = (vec![0.0; n], vec![0.0; n]);
+        problem.value(0.0, &x, parameters, &mut f);
+        problem.value(0.0, &mirror, parameters, &mut g);
+        let size = norm(&f).max(norm(&g));
+        f.iter().zip(&g).all(|(f, g)| (f + g).abs() <= 1e-12 * size)
+    })
+}
+
+/// Point k of an additive recurrence in the box (fractional parts of k √prime).
+fn point(states: &[(f64, f64)], k: usize) -> Vec<f64> {
+    let primes = [
+        2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0_f64,
+    ];
+    states
+        .iter()
+        .enumerate()
+        .map(|(i, (low, high))| {
+            let root = (primes[i % primes.len()] + (i / primes.len()) as f64 * 0.37).sqrt();
+            low + (high - low) * (k as f64 * root).fract()
+        })
+        .collect()
+}
+
+/// Equilibria at given parameters, in the order in which they are found.
+fn roots(problem: &dyn Problem, p: &[f64], settings: &DiagramSettings) -> Vec<Vec<f64>> {
+    let n = problem.states();
+    let size = settings
+        .states
+        .iter()
+        .map(|(a, b)| (b - a).powi(2))
+        .sum::<f64>()
+        .sqrt()
+        .max(1e-12);
+    let mut found: Vec<Vec<f64>> = Vec::new();
+    let (mut f, mut jacobian) = (vec![0.0; n], vec![0.0; n * n]);
+    let mut lu = Lu::new();
+    for k in 0..=settings.starts {
+        // The middle of the box first.
+        let mut x = if k == 0 {
+            settings.states.iter().map(|(a, b)| 0.5 * (a + b)).collect()
+        } else {
+            point(&settings.states, k)
+        };
+        for _ in 0..60 {
+            problem.value(0.0, &x, p, &mut f);
+            problem.jacobian(0.0, &x, p, &mut jacobian);
+            if !lu.factor(n, &jacobian) || f.iter().any(|f| !f.is_finite()) {
+                break;
+            }
+            let mut step: Vec<f64> = f.iter().map(|f| -f).collect();
+            lu.solve(&mut step);
+            // Deflation multiplies the step by 1 / (1 - ∇η·step / η), η = Π (1 + (size / |x - r|)²).
+            let mut slope = 0.0;
+            for r in &found {
+                let d: Vec<f64> = x.iter().zip(r).map(|(x, r)| x - r).collect();
+                let square = crate::dense::dot(&d, &d).max(1e-300);
+                let eta = 1.0 + 1e-4 * size * size / square;
+                slope -= 2.0 * 1e-4 * size * size / (square * square)
+                    * crate::dense::dot(&d, &step)
+                    / eta;
+            }
+            let deflated = 1.0 / (1.0 - slope);
+            let raw = norm(&step);
+            let mut factor = if deflated.is_finite() { deflated } else { 1.0 };
+            if raw * factor.abs() > 0.3 * size {
+                factor *= 0.3 * size / (raw * factor.abs());
+            }
+            crate::dense::axpy(factor, &step, &mut x);
+            if raw < 1e-10 * (size + norm(&x)) {
+                break;
+            }
+        }
+        problem.value(0.0, &x, p, &mut f);
+        problem.jacobian(0.0, &x, p, &mut jacobian);
+        if f.iter().any(|f| !f.is_finite()) || !lu.factor(n, &jacobian) {
+            continue;
+        }
+        let mut step = f.clone();
+        lu.solve(&mut step);
+        let converged = norm(&step) < 1e-8 * (size + norm(&x));
+        let new = found.iter().all(|r| {
+            let d: Vec<f64> = x.iter().zip(r).map(|(x, r)| x - r).collect();
+            norm(&d) > 1e-5 * size
+        });
+        let inside = x
+            .iter()
+            .zip(&settings.states)
+            .all(|(x, (a, b))| *x >= a - 0.5 * (b - a) && *x <= b + 0.5 * (b - a));
+        if converged && new && inside {
+            found.push(x);
+        }
+    }
+    found
+}

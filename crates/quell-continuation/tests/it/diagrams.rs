@@ -1,0 +1,85 @@
+//! Automatic diagrams.
+
+use crate::support::Exact;
+use crate::support::models::*;
+use quell_continuation::{DiagramSettings, Kind, Settings, Stop, diagram};
+
+#[test]
+fn lorenz_without_a_start() {
+    let problem = Exact::<_, 3>(Lorenz);
+    let mut branch = Settings::new(&[(0.0, 30.0)]);
+    branch.period_bound = 5.0;
+    let s = DiagramSettings {
+        branch,
+        states: vec![(-10.0, 10.0), (-10.0, 10.0), (-5.0, 30.0)],
+        starts: 12,
+        depth: 2,
+    };
+    let d = diagram(&problem, &[0.0], 0, &s).unwrap();
+    let count = |kind: Kind| {
+        d.equilibria
+            .iter()
+            .map(|m| m.branch.of(kind).len())
+            .sum::<usize>()
+    };
+    let summary: Vec<_> = d
+        .equilibria
+        .iter()
+        .map(|m| {
+            (
+                m.name.clone(),
+                m.parent.clone(),
+                m.branch.stop,
+                m.branch
+                    .special
+                    .iter()
+                    .map(|s| s.label.clone())
+                    .collect::<Vec<_>>(),
+            )
+        })
+        .collect();
+    // The origin, and the two non-trivial branches (Lorenz is symmetric, but not odd).
+    assert!(!d.odd);
+    assert_eq!(count(Kind::Hopf), 2, "{summary:?}");
+    assert!(d.equilibria.len() <= 3, "{summary:?}");
+    assert_eq!(d.cycles.len(), 2);
+    assert!(d.failed.is_empty(), "{:?}", d.failed);
+}
+
+#[test]
+fn mirror_images_are_counted_once() {
+    let problem = Exact::<_, 3>(Electronic);
+    let s = DiagramSettings {
+        branch: Settings {
+            period_bound: 20.0,
+            ..Settings::new(&[(-0.9, -0.3)])
+        },
+        states: vec![(-1.0, 1.0); 3],
+        starts: 10,
+        depth: 2,
+    };
+    let d = diagram(&problem, &[-0.9], 0, &s).unwrap();
+    assert!(d.odd);
+    let names: Vec<_> = d.equilibria.iter().map(|m| (&m.name, &m.parent)).collect();
+    assert_eq!(d.equilibria.len(), 2, "{names:?}");
+    assert!(
+        d.cycles
+            .iter()
+            .any(|c| !c.branch.of(Kind::CycleFold).is_empty())
+    );
+}
+
+#[test]
+fn a_vertical_family_ends_as_degenerate() {
+    let problem = Exact::<_, 2>(VanDerPol);
+    let s = DiagramSettings {
+        branch: Settings::new(&[(-0.5, 0.5)]),
+        states: vec![(-3.0, 3.0); 2],
+        starts: 6,
+        depth: 2,
+    };
+    let d = diagram(&problem, &[0.0], 0, &s).unwrap();
+    assert_eq!((d.equilibria.len(), d.cycles.len()), (1, 1));
+    assert_eq!(d.cycles[0].branch.stop[1], Stop::DegenerateFamily);
+    assert!(d.cycles[0].branch.special.is_empty());
+}
