@@ -1,5 +1,6 @@
 //! The usual functions, on quantities.
 
+use crate::elementary::{self, alone};
 use crate::{Dimension, Quantity};
 
 /// A function of plain quantities.
@@ -103,18 +104,18 @@ impl Function {
         let first = arguments.first().copied().unwrap_or(f64::NAN);
         let second = arguments.get(1).copied().unwrap_or(f64::NAN);
         match self {
-            Self::Sin => first.sin(),
-            Self::Cos => first.cos(),
+            Self::Sin => alone(elementary::sine, first),
+            Self::Cos => alone(elementary::cosine, first),
             Self::Tan => first.tan(),
-            Self::Asin => first.asin(),
+            Self::Asin => alone(elementary::arc_sine, first),
             Self::Acos => first.acos(),
-            Self::Atan => first.atan(),
+            Self::Atan => alone(elementary::arc_tangent, first),
             Self::Atan2 => first.atan2(second),
             Self::Sinh => first.sinh(),
             Self::Cosh => first.cosh(),
             Self::Tanh => first.tanh(),
-            Self::Exp => first.exp(),
-            Self::Log => first.ln(),
+            Self::Exp => alone(elementary::exponential, first),
+            Self::Log => alone(elementary::logarithm, first),
             Self::Log10 => first.log10(),
             Self::Sqrt => first.sqrt(),
             Self::Abs => first.abs(),

@@ -18,6 +18,7 @@
 
 mod derivative;
 mod dimension;
+mod elementary;
 mod evaluate;
 mod expression;
 mod function;

@@ -13,7 +13,7 @@ mod schedule;
 mod workspace;
 
 use code::{Stream, run};
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 pub use workspace::{BatchWorkspace, Workspace};
 
 /// Points that a batch evaluates together: of 8, 16 and 32 the quickest for equations of motion.
@@ -143,18 +143,12 @@ impl Program {
         outputs: &mut [[f64; LANES]],
     ) {
         // The widest vectors of the machine; the arithmetic, and with it every bit, is the same.
-        Arch::new().dispatch(|| {
-            let mut outputs = outputs.iter_mut();
-            self.evaluate_with(
-                level,
-                |index| inputs.get(index).copied().unwrap_or([f64::NAN; LANES]),
-                workspace,
-                |values| {
-                    if let Some(output) = outputs.next() {
-                        *output = values;
-                    }
-                },
-            );
+        Arch::new().dispatch(Together {
+            program: self,
+            level,
+            inputs,
+            workspace,
+            outputs,
         });
     }
 
@@ -199,5 +193,40 @@ impl Program {
                 output(registers[*register as usize]);
             }
         }
+    }
+}
+
+/// An evaluation of a batch. A closure would not do: it is compiled by itself, for any machine.
+struct Together<'a> {
+    program: &'a Program,
+    level: usize,
+    inputs: &'a [[f64; LANES]],
+    workspace: &'a mut BatchWorkspace,
+    outputs: &'a mut [[f64; LANES]],
+}
+
+impl WithSimd for Together<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let mut outputs = self.outputs.iter_mut();
+        self.program.evaluate_with(
+            self.level,
+            #[inline(always)]
+            |index| {
+                self.inputs
+                    .get(index)
+                    .copied()
+                    .unwrap_or([f64::NAN; LANES])
+            },
+            self.workspace,
+            #[inline(always)]
+            |values| {
+                if let Some(output) = outputs.next() {
+                    *output = values;
+                }
+            },
+        );
     }
 }

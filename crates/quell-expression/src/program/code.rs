@@ -2,6 +2,7 @@
 
 use super::rows::Term;
 use crate::Function;
+use crate::elementary;
 use crate::evaluate::{power, whole_power};
 use crate::operation::{Operation, Slot, choose};
 
@@ -252,18 +253,18 @@ pub(super) fn run<const L: usize>(stream: &Stream, registers: &mut [[f64; L]]) {
                 registers[place] =
                     std::array::from_fn(|lane| choose([a[lane], b[lane], c[lane], d[lane]]));
             }
-            Code::Sin => one!(f64::sin),
-            Code::Cos => one!(f64::cos),
+            Code::Sin => registers[place] = elementary::sine(&registers[a as usize]),
+            Code::Cos => registers[place] = elementary::cosine(&registers[a as usize]),
             Code::Tan => one!(f64::tan),
-            Code::Asin => one!(f64::asin),
+            Code::Asin => registers[place] = elementary::arc_sine(&registers[a as usize]),
             Code::Acos => one!(f64::acos),
-            Code::Atan => one!(f64::atan),
+            Code::Atan => registers[place] = elementary::arc_tangent(&registers[a as usize]),
             Code::Atan2 => two!(f64::atan2),
             Code::Sinh => one!(f64::sinh),
             Code::Cosh => one!(f64::cosh),
             Code::Tanh => one!(f64::tanh),
-            Code::Exp => one!(f64::exp),
-            Code::Log => one!(f64::ln),
+            Code::Exp => registers[place] = elementary::exponential(&registers[a as usize]),
+            Code::Log => registers[place] = elementary::logarithm(&registers[a as usize]),
             Code::Log10 => one!(f64::log10),
             Code::Sqrt => one!(f64::sqrt),
             Code::Abs => one!(f64::abs),
