@@ -12,7 +12,7 @@ mod rows;
 mod schedule;
 mod workspace;
 
-use code::{Stream, run};
+use code::Stream;
 use pulp::{Arch, Simd, WithSimd};
 pub use workspace::{BatchWorkspace, Workspace};
 
@@ -86,7 +86,7 @@ impl Program {
     #[must_use]
     pub fn operations(&self, level: usize) -> usize {
         let levels = self.levels.iter().take(level + 1);
-        levels.map(|level| level.stream.instructions.len()).sum()
+        levels.map(|level| level.stream.len()).sum()
     }
 
     /// Number of registers of an evaluation, its working set.
@@ -164,7 +164,7 @@ impl Program {
         for (index, register) in &self.parameters {
             scratch[*register as usize] = input(*index as usize);
         }
-        run(&self.preparation, scratch);
+        self.preparation.run(scratch);
         for (register, kept) in registers.iter_mut().zip(&self.kept) {
             *register = scratch[*kept as usize];
         }
@@ -188,7 +188,7 @@ impl Program {
             *register = input(*index as usize);
         }
         for level in self.levels.iter().take(level + 1) {
-            run(&level.stream, registers);
+            level.stream.run(registers);
             for register in &level.outputs {
                 output(registers[*register as usize]);
             }

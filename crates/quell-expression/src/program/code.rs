@@ -1,5 +1,10 @@
 //! Instructions, and the one loop that runs them.
 
+#![expect(
+    clippy::inline_always,
+    reason = "only what is inlined is compiled for the vectors of the machine"
+)]
+
 use super::rows::Term;
 use crate::Function;
 use crate::elementary;
@@ -24,7 +29,7 @@ pub(super) enum Code {
     SubtractProduct,
     /// (a b) c
     Product,
-    /// Σ ± a b over terms; the operands are the first of them and their number
+    /// Σ ± a b over terms
     Row,
     /// Σ ± (a b) c over terms
     ProductRow,
@@ -155,123 +160,247 @@ impl From<Function> for Code {
 /// Instructions with the terms of their rows.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Stream {
-    pub(super) instructions: Vec<Instruction>,
-    pub(super) terms: Vec<Term>,
+    runs: Vec<Run>,
+    instructions: Vec<Instruction>,
+    /// Terms of all rows, one row after the other.
+    terms: Vec<Term>,
 }
 
-/// Runs instructions on registers of L points each, in every lane the same arithmetic.
-#[expect(
-    clippy::inline_always,
-    reason = "only what is inlined is compiled for the vectors of the machine"
-)]
+/// Instructions of one code that follow one another, decided upon once.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    code: Code,
+    count: u32,
+    /// Terms of each, if they are rows.
+    terms: u32,
+}
+
+impl Stream {
+    /// Number of instructions.
+    pub(super) const fn len(&self) -> usize {
+        self.instructions.len()
+    }
+
+    /// Appends an instruction with the terms of its row.
+    pub(super) fn push(&mut self, instruction: Instruction, terms: impl IntoIterator<Item = Term>) {
+        let before = self.terms.len();
+        self.terms.extend(terms);
+        let terms = (self.terms.len() - before) as u32;
+        self.instructions.push(instruction);
+        match self.runs.last_mut() {
+            Some(run) if run.code == instruction.code && run.terms == terms => run.count += 1,
+            _ => self.runs.push(Run {
+                code: instruction.code,
+                count: 1,
+                terms,
+            }),
+        }
+    }
+
+    /// Runs the instructions on registers of L points each, in every lane the same arithmetic.
+    #[inline(always)]
+    pub(super) fn run<const L: usize>(&self, registers: &mut [[f64; L]]) {
+        let mut instructions = self.instructions.as_slice();
+        let mut terms = self.terms.as_slice();
+        for run in &self.runs {
+            let Some((own, later)) = instructions.split_at_checked(run.count as usize) else {
+                return;
+            };
+            instructions = later;
+            if run.terms == 0 {
+                run_simple(run.code, own, registers);
+                continue;
+            }
+            let count = run.count as usize * run.terms as usize;
+            let Some((rows, later)) = terms.split_at_checked(count) else {
+                return;
+            };
+            terms = later;
+            match (run.code, run.terms) {
+                (Code::Row, 2) => run_rows::<2, L>(own, rows, registers),
+                (Code::Row, 3) => run_rows::<3, L>(own, rows, registers),
+                (Code::Row, 4) => run_rows::<4, L>(own, rows, registers),
+                (Code::Row, length) => {
+                    for (instruction, row) in own.iter().zip(rows.chunks_exact(length as usize)) {
+                        registers[instruction.target as usize] =
+                            sum::<L, false>(row, registers);
+                    }
+                }
+                (_, length) => {
+                    for (instruction, row) in own.iter().zip(rows.chunks_exact(length as usize)) {
+                        registers[instruction.target as usize] =
+                            sum::<L, true>(row, registers);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Rows of N terms.
 #[inline(always)]
-pub(super) fn run<const L: usize>(stream: &Stream, registers: &mut [[f64; L]]) {
-    let Stream {
-        instructions,
-        terms,
-    } = stream;
-    for instruction in instructions {
-        let place = instruction.target as usize;
-        let [a, b, c, d] = instruction.operands;
-        // The compiler numbers registers below the length that the work space has been given.
-        macro_rules! one {
-            ($f:expr) => {{
-                let a = &registers[a as usize];
-                let f = $f;
-                registers[place] = std::array::from_fn(|lane| f(a[lane]));
-            }};
+fn run_rows<const N: usize, const L: usize>(
+    own: &[Instruction],
+    rows: &[Term],
+    registers: &mut [[f64; L]],
+) {
+    let (rows, _) = rows.as_chunks::<N>();
+    for (instruction, row) in own.iter().zip(rows) {
+        registers[instruction.target as usize] = sum::<L, false>(row, registers);
+    }
+}
+
+/// Terms of two or three factors, added from the left.
+#[inline(always)]
+fn sum<const L: usize, const THREE: bool>(terms: &[Term], registers: &[[f64; L]]) -> [f64; L] {
+    let mut sum = [0.0; L];
+    let Some((first, rest)) = terms.split_first() else {
+        return sum;
+    };
+    {
+        let (a, b) = (&registers[first.a as usize], &registers[first.b as usize]);
+        for lane in 0..L {
+            sum[lane] = a[lane] * b[lane];
         }
-        macro_rules! two {
-            ($f:expr) => {{
-                let (a, b) = (&registers[a as usize], &registers[b as usize]);
-                let f = $f;
-                registers[place] = std::array::from_fn(|lane| f(a[lane], b[lane]));
-            }};
-        }
-        macro_rules! three {
-            ($f:expr) => {{
-                let (a, b) = (&registers[a as usize], &registers[b as usize]);
-                let c = &registers[c as usize];
-                let f = $f;
-                registers[place] = std::array::from_fn(|lane| f(a[lane], b[lane], c[lane]));
-            }};
-        }
-        match instruction.code {
-            Code::Copy => one!(|a: f64| a),
-            Code::Negate => one!(|a: f64| -a),
-            Code::Add => two!(|a: f64, b: f64| a + b),
-            Code::Subtract => two!(|a: f64, b: f64| a - b),
-            Code::Multiply => two!(|a: f64, b: f64| a * b),
-            Code::Divide => two!(|a: f64, b: f64| a / b),
-            Code::MultiplyAdd => three!(|a: f64, b: f64, c: f64| a * b + c),
-            Code::MultiplySubtract => three!(|a: f64, b: f64, c: f64| a * b - c),
-            Code::SubtractProduct => three!(|a: f64, b: f64, c: f64| c - a * b),
-            Code::Product => three!(|a: f64, b: f64, c: f64| a * b * c),
-            Code::Row => {
-                let mut sum = [0.0; L];
-                let terms = terms.get(a as usize..(a + b) as usize).unwrap_or(&[]);
-                if let Some((first, rest)) = terms.split_first() {
-                    let (a, b) = (&registers[first.a as usize], &registers[first.b as usize]);
-                    sum = std::array::from_fn(|lane| a[lane] * b[lane]);
-                    for term in rest {
-                        let (a, b) = (&registers[term.a as usize], &registers[term.b as usize]);
-                        let mask = term.mask();
-                        for lane in 0..L {
-                            let product = a[lane] * b[lane];
-                            sum[lane] += f64::from_bits(product.to_bits() ^ mask);
-                        }
-                    }
-                }
-                registers[place] = sum;
+        if THREE {
+            let c = &registers[first.c as usize];
+            for lane in 0..L {
+                sum[lane] *= c[lane];
             }
-            Code::ProductRow => {
-                let mut sum = [0.0; L];
-                let terms = terms.get(a as usize..(a + b) as usize).unwrap_or(&[]);
-                if let Some((first, rest)) = terms.split_first() {
-                    let (a, b) = (&registers[first.a as usize], &registers[first.b as usize]);
-                    let c = &registers[first.c as usize];
-                    sum = std::array::from_fn(|lane| a[lane] * b[lane] * c[lane]);
-                    for term in rest {
-                        let (a, b) = (&registers[term.a as usize], &registers[term.b as usize]);
-                        let c = &registers[term.c as usize];
-                        let mask = term.mask();
-                        for lane in 0..L {
-                            let product = a[lane] * b[lane] * c[lane];
-                            sum[lane] += f64::from_bits(product.to_bits() ^ mask);
-                        }
-                    }
-                }
-                registers[place] = sum;
+        }
+    }
+    for term in rest {
+        let (a, b) = (&registers[term.a as usize], &registers[term.b as usize]);
+        let mask = term.mask;
+        if THREE {
+            let c = &registers[term.c as usize];
+            for lane in 0..L {
+                let product = a[lane] * b[lane] * c[lane];
+                sum[lane] += f64::from_bits(product.to_bits() ^ mask);
             }
-            Code::Square => one!(|a: f64| a * a),
-            Code::Cube => one!(|a: f64| a * (a * a)),
-            Code::WholePower => one!(|a: f64| whole_power(a, b.cast_signed())),
-            Code::Power => two!(power),
-            Code::Choose => {
-                let (a, b) = (&registers[a as usize], &registers[b as usize]);
-                let (c, d) = (&registers[c as usize], &registers[d as usize]);
-                registers[place] =
+        } else {
+            for lane in 0..L {
+                let product = a[lane] * b[lane];
+                sum[lane] += f64::from_bits(product.to_bits() ^ mask);
+            }
+        }
+    }
+    sum
+}
+
+/// Instructions of one code other than rows.
+#[inline(always)]
+fn run_simple<const L: usize>(code: Code, own: &[Instruction], registers: &mut [[f64; L]]) {
+    // The compiler numbers registers below the length that the work space has been given.
+    macro_rules! one {
+        ($f:expr) => {{
+            let f = $f;
+            for Instruction {
+                target, operands, ..
+            } in own
+            {
+                let a = &registers[operands[0] as usize];
+                registers[*target as usize] = std::array::from_fn(|lane| f(a[lane]));
+            }
+        }};
+    }
+    macro_rules! lanes {
+        ($f:path) => {{
+            for Instruction {
+                target, operands, ..
+            } in own
+            {
+                registers[*target as usize] = $f(&registers[operands[0] as usize]);
+            }
+        }};
+    }
+    macro_rules! two {
+        ($f:expr) => {{
+            let f = $f;
+            for Instruction {
+                target, operands, ..
+            } in own
+            {
+                let (a, b) = (
+                    &registers[operands[0] as usize],
+                    &registers[operands[1] as usize],
+                );
+                registers[*target as usize] = std::array::from_fn(|lane| f(a[lane], b[lane]));
+            }
+        }};
+    }
+    macro_rules! three {
+        ($f:expr) => {{
+            let f = $f;
+            for Instruction {
+                target, operands, ..
+            } in own
+            {
+                let (a, b) = (
+                    &registers[operands[0] as usize],
+                    &registers[operands[1] as usize],
+                );
+                let c = &registers[operands[2] as usize];
+                registers[*target as usize] =
+                    std::array::from_fn(|lane| f(a[lane], b[lane], c[lane]));
+            }
+        }};
+    }
+    match code {
+        Code::Copy => one!(|a: f64| a),
+        Code::Negate => one!(|a: f64| -a),
+        Code::Add => two!(|a: f64, b: f64| a + b),
+        Code::Subtract => two!(|a: f64, b: f64| a - b),
+        Code::Multiply => two!(|a: f64, b: f64| a * b),
+        Code::Divide => two!(|a: f64, b: f64| a / b),
+        Code::MultiplyAdd => three!(|a: f64, b: f64, c: f64| a * b + c),
+        Code::MultiplySubtract => three!(|a: f64, b: f64, c: f64| a * b - c),
+        Code::SubtractProduct => three!(|a: f64, b: f64, c: f64| c - a * b),
+        Code::Product => three!(|a: f64, b: f64, c: f64| a * b * c),
+        // Rows have terms.
+        Code::Row | Code::ProductRow => {}
+        Code::Square => one!(|a: f64| a * a),
+        Code::Cube => one!(|a: f64| a * (a * a)),
+        Code::WholePower => {
+            for Instruction {
+                target, operands, ..
+            } in own
+            {
+                let a = &registers[operands[0] as usize];
+                let exponent = operands[1].cast_signed();
+                registers[*target as usize] =
+                    std::array::from_fn(|lane| whole_power(a[lane], exponent));
+            }
+        }
+        Code::Power => two!(power),
+        Code::Choose => {
+            for Instruction {
+                target, operands, ..
+            } in own
+            {
+                let [a, b, c, d] = operands.map(|operand| &registers[operand as usize]);
+                registers[*target as usize] =
                     std::array::from_fn(|lane| choose([a[lane], b[lane], c[lane], d[lane]]));
             }
-            Code::Sin => registers[place] = elementary::sine(&registers[a as usize]),
-            Code::Cos => registers[place] = elementary::cosine(&registers[a as usize]),
-            Code::Tan => one!(f64::tan),
-            Code::Asin => registers[place] = elementary::arc_sine(&registers[a as usize]),
-            Code::Acos => one!(f64::acos),
-            Code::Atan => registers[place] = elementary::arc_tangent(&registers[a as usize]),
-            Code::Atan2 => two!(f64::atan2),
-            Code::Sinh => one!(f64::sinh),
-            Code::Cosh => one!(f64::cosh),
-            Code::Tanh => one!(f64::tanh),
-            Code::Exp => registers[place] = elementary::exponential(&registers[a as usize]),
-            Code::Log => registers[place] = elementary::logarithm(&registers[a as usize]),
-            Code::Log10 => one!(f64::log10),
-            Code::Sqrt => one!(f64::sqrt),
-            Code::Abs => one!(f64::abs),
-            Code::Sign => one!(crate::function::sign),
-            Code::Min => two!(crate::function::least),
-            Code::Max => two!(crate::function::largest),
-            Code::Hypot => two!(f64::hypot),
         }
+        Code::Sin => lanes!(elementary::sine),
+        Code::Cos => lanes!(elementary::cosine),
+        Code::Tan => one!(f64::tan),
+        Code::Asin => lanes!(elementary::arc_sine),
+        Code::Acos => one!(f64::acos),
+        Code::Atan => lanes!(elementary::arc_tangent),
+        Code::Atan2 => two!(f64::atan2),
+        Code::Sinh => one!(f64::sinh),
+        Code::Cosh => one!(f64::cosh),
+        Code::Tanh => one!(f64::tanh),
+        Code::Exp => lanes!(elementary::exponential),
+        Code::Log => lanes!(elementary::logarithm),
+        Code::Log10 => one!(f64::log10),
+        Code::Sqrt => one!(f64::sqrt),
+        Code::Abs => one!(f64::abs),
+        Code::Sign => one!(crate::function::sign),
+        Code::Min => two!(crate::function::least),
+        Code::Max => two!(crate::function::largest),
+        Code::Hypot => two!(f64::hypot),
     }
 }

@@ -157,7 +157,7 @@ impl Compiler<'_> {
                 self.program.parameters.push((input as u32, next));
             } else if let Some(instruction) = Instruction::of(*slot, self.graph.operation(*slot)) {
                 let renamed = instruction.renamed(next, |read| self.place(read));
-                self.program.preparation.instructions.push(renamed);
+                self.program.preparation.push(renamed, []);
             }
             next += 1;
         }
@@ -198,7 +198,7 @@ impl Compiler<'_> {
             let mut stream = Stream::default();
             for step in steps {
                 time += 1;
-                let instruction = self.encode(step, &mut stream.terms);
+                let (instruction, terms) = self.encode(step);
                 for read in step.reads() {
                     self.release(read, last[read as usize] == time, fixed, &mut free);
                 }
@@ -207,10 +207,11 @@ impl Compiler<'_> {
                     (registers - 1) as u32
                 });
                 self.places[step.target() as usize] = Some(target);
-                stream.instructions.push(Instruction {
+                let instruction = Instruction {
                     target,
                     ..instruction
-                });
+                };
+                stream.push(instruction, terms);
             }
             time += 1;
             let places = outputs.iter().map(|slot| self.place(slot.0)).collect();
@@ -225,28 +226,28 @@ impl Compiler<'_> {
         self.program.registers = registers;
     }
 
-    /// The instruction of a step, with the registers that it reads.
-    fn encode(&self, step: &Step, terms: &mut Vec<Term>) -> Instruction {
+    /// The instruction of a step and its terms, with the registers that they read.
+    fn encode(&self, step: &Step) -> (Instruction, Vec<Term>) {
         match step {
-            Step::One(instruction) => instruction.renamed(0, |read| self.place(read)),
+            Step::One(instruction) => (instruction.renamed(0, |read| self.place(read)), Vec::new()),
             Step::Row(_, own) => {
-                let first = terms.len() as u32;
-                terms.extend(own.iter().map(|term| Term {
+                let place = |term: &Term| Term {
                     a: self.place(term.a),
                     b: self.place(term.b),
                     c: self.place(term.c),
-                    sign: term.sign,
-                }));
+                    mask: term.mask,
+                };
                 let code = if has_third_factors(own, self.one) {
                     Code::ProductRow
                 } else {
                     Code::Row
                 };
-                Instruction {
+                let instruction = Instruction {
                     code,
                     target: 0,
-                    operands: [first, own.len() as u32, 0, 0],
-                }
+                    operands: [0; 4],
+                };
+                (instruction, own.iter().map(place).collect())
             }
         }
     }

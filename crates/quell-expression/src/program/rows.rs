@@ -8,20 +8,14 @@ pub(super) struct Term {
     pub(super) a: u32,
     pub(super) b: u32,
     pub(super) c: u32,
-    /// The upper half of the sign bit of a term that is subtracted.
-    pub(super) sign: u32,
+    /// The bits to turn over in its product: the sign of a term that is subtracted.
+    pub(super) mask: u64,
 }
 
 impl Term {
     const fn of(factors: [u32; 3]) -> Self {
         let [a, b, c] = factors;
-        Self { a, b, c, sign: 0 }
-    }
-
-    /// The bits to turn over in its product.
-    #[inline]
-    pub(super) const fn mask(self) -> u64 {
-        (self.sign as u64) << 32
+        Self { a, b, c, mask: 0 }
     }
 }
 
@@ -102,8 +96,8 @@ pub(super) fn join(streams: Vec<Vec<Instruction>>, read: &[u32], one: u32) -> Ve
                         (left, take(b, true))
                     }
                 };
-                let sign = if adds { 0 } else { 1 << 31 };
-                terms.extend(last.into_iter().map(|term| Term { sign, ..term }));
+                let mask = if adds { 0 } else { 1 << 63 };
+                terms.extend(last.into_iter().map(|term| Term { mask, ..term }));
                 terms
             }
             _ => continue,
@@ -144,7 +138,7 @@ fn row(instruction: Instruction, terms: Vec<Term>, one: u32) -> Step {
             Step::Row(instruction.target, terms)
         }
         [first, second] if first.b == one && second.b == one => {
-            let code = if second.sign == 0 {
+            let code = if second.mask == 0 {
                 Code::Add
             } else {
                 Code::Subtract
@@ -152,7 +146,7 @@ fn row(instruction: Instruction, terms: Vec<Term>, one: u32) -> Step {
             single(code, [first.a, second.a, 0])
         }
         [first, second] if second.b == one => {
-            let code = if second.sign == 0 {
+            let code = if second.mask == 0 {
                 Code::MultiplyAdd
             } else {
                 Code::MultiplySubtract
@@ -160,7 +154,7 @@ fn row(instruction: Instruction, terms: Vec<Term>, one: u32) -> Step {
             single(code, [first.a, first.b, second.a])
         }
         [first, second] if first.b == one => {
-            let code = if second.sign == 0 {
+            let code = if second.mask == 0 {
                 Code::MultiplyAdd
             } else {
                 Code::SubtractProduct
