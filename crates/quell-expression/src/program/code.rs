@@ -33,7 +33,6 @@ pub(super) enum Code {
     Row,
     /// Σ ± (a b) c over terms
     ProductRow,
-    Square,
     Cube,
     WholePower,
     Power,
@@ -79,7 +78,7 @@ impl Instruction {
             Operation::Subtract(a, b) => (Code::Subtract, [a.0, b.0, unused, unused]),
             Operation::Multiply(a, b) => (Code::Multiply, [a.0, b.0, unused, unused]),
             Operation::Divide(a, b) => (Code::Divide, [a.0, b.0, unused, unused]),
-            Operation::WholePower(a, 2) => (Code::Square, [a.0, unused, unused, unused]),
+            Operation::WholePower(a, 2) => (Code::Multiply, [a.0, a.0, unused, unused]),
             Operation::WholePower(a, 3) => (Code::Cube, [a.0, unused, unused, unused]),
             Operation::WholePower(a, exponent) => (
                 Code::WholePower,
@@ -359,7 +358,6 @@ fn run_simple<const L: usize>(code: Code, own: &[Instruction], registers: &mut [
         Code::Product => three!(|a: f64, b: f64, c: f64| a * b * c),
         // Rows have terms.
         Code::Row | Code::ProductRow => {}
-        Code::Square => one!(|a: f64| a * a),
         Code::Cube => one!(|a: f64| a * (a * a)),
         Code::WholePower => {
             for Instruction {

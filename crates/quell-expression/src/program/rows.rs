@@ -61,7 +61,6 @@ pub(super) fn join(streams: Vec<Vec<Instruction>>, read: &[u32], one: u32) -> Ve
     for instruction in streams.iter().flatten() {
         let [a, b, ..] = instruction.operands;
         let own = match instruction.code {
-            Code::Square => vec![Term::of([a, a, one])],
             Code::Multiply => {
                 // (a b) c: one factor may be a product of two itself.
                 let mut inner = |slot: u32| {
