@@ -59,7 +59,11 @@ fn polynomial<const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     let mut sum = 0.0;
     let mut first = true;
     for coefficient in coefficients.into_iter().rev() {
-        sum = if first { coefficient } else { coefficient + x * sum };
+        sum = if first {
+            coefficient
+        } else {
+            coefficient + x * sum
+        };
         first = false;
     }
     sum
@@ -70,9 +74,10 @@ mod tests {
     use super::*;
 
     type Kernel = fn(&[f64; 4]) -> [f64; 4];
-
     /// Name, kernel, the platform's function, range of arguments.
-    const ALL: [(&str, Kernel, fn(f64) -> f64, f64, f64); 9] = [
+    type Case = (&'static str, Kernel, fn(f64) -> f64, f64, f64);
+
+    const ALL: [Case; 9] = [
         ("sine", sine, f64::sin, -0.8, 0.8),
         ("sine", sine, f64::sin, -800_000.0, 800_000.0),
         ("cosine", cosine, f64::cos, -0.8, 0.8),
@@ -103,7 +108,11 @@ mod tests {
             for index in 0..200_000_u32 {
                 let fraction = (0.5 + f64::from(index) * 0.618_033_988_749_894_9).fract();
                 // Dense about zero as well.
-                let narrow = if index % 2 == 0 { 1.0 } else { fraction * fraction };
+                let narrow = if index % 2 == 0 {
+                    1.0
+                } else {
+                    fraction * fraction
+                };
                 let x = (from + (to - from) * fraction) * narrow;
                 let (found, expected) = (alone(kernel, x), platform(x));
                 // Both are within one unit of the truth, mostly at the same neighbour.
@@ -117,14 +126,29 @@ mod tests {
 
     #[test]
     fn company_does_not_change_a_bit() {
-        let others = [1e-9, 0.3, -0.6, 0.99, 2.0, -17.0, 1e5, 1e9, f64::INFINITY, f64::NAN];
+        let others = [
+            1e-9,
+            0.3,
+            -0.6,
+            0.99,
+            2.0,
+            -17.0,
+            1e5,
+            1e9,
+            f64::INFINITY,
+            f64::NAN,
+        ];
         for (name, kernel, ..) in ALL {
             for index in 0..2000_i32 {
                 let x = f64::from(index - 1000) * 0.001_3;
                 let expected = alone(kernel, x).to_bits();
                 for other in others {
                     let [first, _, _, last] = kernel(&[x, other, -x, x]);
-                    assert_eq!(first.to_bits(), last.to_bits(), "{name}({x}) beside {other}");
+                    assert_eq!(
+                        first.to_bits(),
+                        last.to_bits(),
+                        "{name}({x}) beside {other}"
+                    );
                     assert!(
                         first.is_nan() || first.to_bits() == expected,
                         "{name}({x}) beside {other}"
@@ -138,14 +162,41 @@ mod tests {
     fn ends_of_the_range_are_those_of_the_platform() {
         let smallest = f64::from_bits(1);
         let ends = [
-            0.0, -0.0, 0.5, 1.0, -1.0, smallest, -smallest, f64::MIN_POSITIVE, 1e-200, f64::MAX,
-            f64::MIN, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 709.5, 710.0, -709.0, -745.0, -746.0,
-            1e6, 1e22, -1e300, 1.000_000_1, 0.437_5, 0.687_5, 1.187_5, 2.437_5,
+            0.0,
+            -0.0,
+            0.5,
+            1.0,
+            -1.0,
+            smallest,
+            -smallest,
+            f64::MIN_POSITIVE,
+            1e-200,
+            f64::MAX,
+            f64::MIN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::NAN,
+            709.5,
+            710.0,
+            -709.0,
+            -745.0,
+            -746.0,
+            1e6,
+            1e22,
+            -1e300,
+            1.000_000_1,
+            0.437_5,
+            0.687_5,
+            1.187_5,
+            2.437_5,
         ];
         for (name, kernel, platform, ..) in ALL {
             for x in ends {
                 let (found, expected) = (alone(kernel, x), platform(x));
-                assert!(apart(found, expected) <= 1, "{name}({x}): {found} {expected}");
+                assert!(
+                    apart(found, expected) <= 1,
+                    "{name}({x}): {found} {expected}"
+                );
                 assert!(found.is_nan() || found.is_sign_negative() == expected.is_sign_negative());
             }
         }
@@ -156,10 +207,7 @@ mod tests {
     fn angles_next_to_multiples_of_a_right_angle_keep_their_digits() {
         for turns in 1..500_000_u32 {
             let x = f64::from(turns) * std::f64::consts::FRAC_PI_2;
-            for (found, expected) in [
-                (alone(sine, x), x.sin()),
-                (alone(cosine, x), x.cos()),
-            ] {
+            for (found, expected) in [(alone(sine, x), x.sin()), (alone(cosine, x), x.cos())] {
                 assert!(apart(found, expected) <= 1, "{x}: {found} {expected}");
             }
         }

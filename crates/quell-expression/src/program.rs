@@ -208,18 +208,17 @@ struct Together<'a> {
 impl WithSimd for Together<'_> {
     type Output = ();
 
+    #[expect(
+        clippy::inline_always,
+        reason = "only what is inlined is compiled for the vectors of the machine"
+    )]
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let mut outputs = self.outputs.iter_mut();
         self.program.evaluate_with(
             self.level,
             #[inline(always)]
-            |index| {
-                self.inputs
-                    .get(index)
-                    .copied()
-                    .unwrap_or([f64::NAN; LANES])
-            },
+            |index| self.inputs.get(index).copied().unwrap_or([f64::NAN; LANES]),
             self.workspace,
             #[inline(always)]
             |values| {

@@ -4,7 +4,7 @@ use super::{all, each, polynomial};
 
 /// The high and the low part of π/2.
 const HALF_PI: [f64; 2] = [
-    1.570_796_326_794_896_558_00,
+    std::f64::consts::FRAC_PI_2,
     6.123_233_995_736_766_035_87e-17,
 ];
 
@@ -45,7 +45,7 @@ fn far(x: f64) -> f64 {
         [
             a - 1.0,
             a + 1.0,
-            7.853_981_633_974_482_789_99e-01,
+            std::f64::consts::FRAC_PI_4,
             3.061_616_997_868_383_017_93e-17,
         ],
     );

@@ -28,17 +28,16 @@ fn scaled(x: f64) -> f64 {
     let (high, low) = (x - k * LN_2[0], k * LN_2[1]);
     let r = high - low;
     let t = r * r;
-    let c = r - t
-        * polynomial(
-            t,
-            [
-                1.666_666_666_666_660_190_37e-01,
-                -2.777_777_777_701_559_338_42e-03,
-                6.613_756_321_437_934_361_17e-05,
-                -1.653_390_220_546_525_153_90e-06,
-                4.138_136_797_057_238_460_39e-08,
-            ],
-        );
+    let c = r - t * polynomial(
+        t,
+        [
+            1.666_666_666_666_660_190_37e-01,
+            -2.777_777_777_701_559_338_42e-03,
+            6.613_756_321_437_934_361_17e-05,
+            -1.653_390_220_546_525_153_90e-06,
+            4.138_136_797_057_238_460_39e-08,
+        ],
+    );
     let value = 1.0 - ((low - (r * c) / (2.0 - c)) - high);
     let power = shifted.to_bits().wrapping_add(1023) << 52;
     value * f64::from_bits(power)
@@ -47,8 +46,8 @@ fn scaled(x: f64) -> f64 {
 /// The natural logarithm of each.
 #[inline(always)]
 pub(crate) fn logarithm<const L: usize>(x: &[f64; L]) -> [f64; L] {
-    let ordinary = |x: f64| (f64::MIN_POSITIVE..f64::INFINITY).contains(&x);
-    if all(x, |x| (x >= f64::MIN_POSITIVE) & (x <= f64::MAX)) {
+    let ordinary = |x: f64| (f64::MIN_POSITIVE..=f64::MAX).contains(&x);
+    if all(x, ordinary) {
         each(x, split)
     } else {
         each(x, |x| if ordinary(x) { split(x) } else { x.ln() })
@@ -70,24 +69,22 @@ fn split(x: f64) -> f64 {
     let s = f / (2.0 + f);
     let z = s * s;
     let w = z * z;
-    let even = w
-        * polynomial(
-            w,
-            [
-                3.999_999_999_940_941_908e-01,
-                2.222_219_843_214_978_396e-01,
-                1.531_383_769_920_937_332e-01,
-            ],
-        );
-    let odd = z
-        * polynomial(
-            w,
-            [
-                6.666_666_666_666_735_130e-01,
-                2.857_142_874_366_239_149e-01,
-                1.818_357_216_161_805_012e-01,
-                1.479_819_860_511_658_591e-01,
-            ],
-        );
+    let even = w * polynomial(
+        w,
+        [
+            3.999_999_999_940_941_908e-01,
+            2.222_219_843_214_978_396e-01,
+            1.531_383_769_920_937_332e-01,
+        ],
+    );
+    let odd = z * polynomial(
+        w,
+        [
+            6.666_666_666_666_735_130e-01,
+            2.857_142_874_366_239_149e-01,
+            1.818_357_216_161_805_012e-01,
+            1.479_819_860_511_658_591e-01,
+        ],
+    );
     s * (half + (even + odd)) + k * LN_2[1] - half + f + k * LN_2[0]
 }

@@ -15,7 +15,13 @@ pub(crate) fn sine<const L: usize>(x: &[f64; L]) -> [f64; L] {
     } else if all(x, |x| x.abs() <= LARGE) {
         each(x, |x| reduced(x, 0))
     } else {
-        each(x, |x| if x.abs() <= LARGE { reduced(x, 0) } else { x.sin() })
+        each(x, |x| {
+            if x.abs() <= LARGE {
+                reduced(x, 0)
+            } else {
+                x.sin()
+            }
+        })
     }
 }
 
@@ -27,7 +33,13 @@ pub(crate) fn cosine<const L: usize>(x: &[f64; L]) -> [f64; L] {
     } else if all(x, |x| x.abs() <= LARGE) {
         each(x, |x| reduced(x, 1))
     } else {
-        each(x, |x| if x.abs() <= LARGE { reduced(x, 1) } else { x.cos() })
+        each(x, |x| {
+            if x.abs() <= LARGE {
+                reduced(x, 1)
+            } else {
+                x.cos()
+            }
+        })
     }
 }
 

@@ -221,14 +221,12 @@ impl Stream {
                 (Code::Row, 4) => run_rows::<4, L>(own, rows, registers),
                 (Code::Row, length) => {
                     for (instruction, row) in own.iter().zip(rows.chunks_exact(length as usize)) {
-                        registers[instruction.target as usize] =
-                            sum::<L, false>(row, registers);
+                        registers[instruction.target as usize] = sum::<L, false>(row, registers);
                     }
                 }
                 (_, length) => {
                     for (instruction, row) in own.iter().zip(rows.chunks_exact(length as usize)) {
-                        registers[instruction.target as usize] =
-                            sum::<L, true>(row, registers);
+                        registers[instruction.target as usize] = sum::<L, true>(row, registers);
                     }
                 }
             }
@@ -256,17 +254,18 @@ fn sum<const L: usize, const THREE: bool>(terms: &[Term], registers: &[[f64; L]]
     let Some((first, rest)) = terms.split_first() else {
         return sum;
     };
-    {
-        let (a, b) = (&registers[first.a as usize], &registers[first.b as usize]);
+    let (a, b) = (&registers[first.a as usize], &registers[first.b as usize]);
+    for lane in 0..L {
+        sum[lane] = a[lane] * b[lane];
+    }
+    if THREE {
+        let c = &registers[first.c as usize];
         for lane in 0..L {
-            sum[lane] = a[lane] * b[lane];
+            sum[lane] *= c[lane];
         }
-        if THREE {
-            let c = &registers[first.c as usize];
-            for lane in 0..L {
-                sum[lane] *= c[lane];
-            }
-        }
+    }
+    for value in &mut sum {
+        *value = f64::from_bits(value.to_bits() ^ first.mask);
     }
     for term in rest {
         let (a, b) = (&registers[term.a as usize], &registers[term.b as usize]);

@@ -17,6 +17,13 @@ impl Term {
         let [a, b, c] = factors;
         Self { a, b, c, mask: 0 }
     }
+
+    const fn negated(self) -> Self {
+        Self {
+            mask: self.mask ^ (1 << 63),
+            ..self
+        }
+    }
 }
 
 /// What one dispatch computes.
@@ -65,7 +72,10 @@ pub(super) fn join(streams: Vec<Vec<Instruction>>, read: &[u32], one: u32) -> Ve
                 // (a b) c: one factor may be a product of two itself.
                 let mut inner = |slot: u32| {
                     let part = parts[slot as usize].take_if(|part| {
-                        read[slot as usize] == 1 && part.len() == 1 && part[0].c == one
+                        read[slot as usize] == 1
+                            && part.len() == 1
+                            && part[0].b != one
+                            && part[0].c == one
                     });
                     joined[slot as usize] |= part.is_some();
                     part.and_then(|part| part.first().copied())
@@ -77,6 +87,14 @@ pub(super) fn join(streams: Vec<Vec<Instruction>>, read: &[u32], one: u32) -> Ve
                         None => Term::of([a, b, one]),
                     },
                 }]
+            }
+            Code::Negate => {
+                let part = parts[a as usize]
+                    .take_if(|part| read[a as usize] == 1 && part.len() == 1)
+                    .and_then(|part| part.first().copied());
+                joined[a as usize] |= part.is_some();
+                let term = part.unwrap_or(Term::of([a, one, one]));
+                vec![term.negated()]
             }
             Code::Add | Code::Subtract => {
                 let mut take = |slot: u32, single: bool| {
@@ -95,8 +113,10 @@ pub(super) fn join(streams: Vec<Vec<Instruction>>, read: &[u32], one: u32) -> Ve
                         (left, take(b, true))
                     }
                 };
-                let mask = if adds { 0 } else { 1 << 63 };
-                terms.extend(last.into_iter().map(|term| Term { mask, ..term }));
+                terms.extend(
+                    last.into_iter()
+                        .map(|term| if adds { term } else { term.negated() }),
+                );
                 terms
             }
             _ => continue,
@@ -109,7 +129,7 @@ pub(super) fn join(streams: Vec<Vec<Instruction>>, read: &[u32], one: u32) -> Ve
             return None;
         }
         Some(match parts[slot].take() {
-            Some(terms) => row(instruction, terms, one),
+            Some(terms) => row(instruction.target, terms, one),
             None => Step::One(instruction),
         })
     };
@@ -121,45 +141,40 @@ pub(super) fn join(streams: Vec<Vec<Instruction>>, read: &[u32], one: u32) -> Ve
 }
 
 /// The shortest code for a sum.
-fn row(instruction: Instruction, terms: Vec<Term>, one: u32) -> Step {
+fn row(target: u32, mut terms: Vec<Term>, one: u32) -> Step {
     let single = |code: Code, operands: [u32; 3]| {
         let [a, b, c] = operands;
         Step::One(Instruction {
             code,
-            target: instruction.target,
+            target,
             operands: [a, b, c, 0],
         })
     };
+    // The first two commute to the last bit, so a row begins with what is added, if it can.
+    if let [first, second, ..] = terms.as_mut_slice()
+        && first.mask > second.mask
+    {
+        std::mem::swap(first, second);
+    }
     match *terms.as_slice() {
-        [only] if only.c == one => Step::One(instruction),
-        [only] => single(Code::Product, [only.a, only.b, only.c]),
-        _ if terms.len() > 2 || has_third_factors(&terms, one) => {
-            Step::Row(instruction.target, terms)
+        [only] if only.b == one && only.c == one => match only.mask {
+            0 => single(Code::Copy, [only.a, 0, 0]),
+            _ => single(Code::Negate, [only.a, 0, 0]),
+        },
+        [only] if only.mask == 0 && only.c == one => single(Code::Multiply, [only.a, only.b, 0]),
+        [only] if only.mask == 0 => single(Code::Product, [only.a, only.b, only.c]),
+        [first, second] if first.mask == 0 && !has_third_factors(&terms, one) => {
+            let adds = second.mask == 0;
+            match (first.b == one, second.b == one) {
+                (true, true) if adds => single(Code::Add, [first.a, second.a, 0]),
+                (true, true) => single(Code::Subtract, [first.a, second.a, 0]),
+                (false, true) if adds => single(Code::MultiplyAdd, [first.a, first.b, second.a]),
+                (false, true) => single(Code::MultiplySubtract, [first.a, first.b, second.a]),
+                (true, false) if adds => single(Code::MultiplyAdd, [second.a, second.b, first.a]),
+                (true, false) => single(Code::SubtractProduct, [second.a, second.b, first.a]),
+                (false, false) => Step::Row(target, terms),
+            }
         }
-        [first, second] if first.b == one && second.b == one => {
-            let code = if second.mask == 0 {
-                Code::Add
-            } else {
-                Code::Subtract
-            };
-            single(code, [first.a, second.a, 0])
-        }
-        [first, second] if second.b == one => {
-            let code = if second.mask == 0 {
-                Code::MultiplyAdd
-            } else {
-                Code::MultiplySubtract
-            };
-            single(code, [first.a, first.b, second.a])
-        }
-        [first, second] if first.b == one => {
-            let code = if second.mask == 0 {
-                Code::MultiplyAdd
-            } else {
-                Code::SubtractProduct
-            };
-            single(code, [second.a, second.b, first.a])
-        }
-        _ => Step::Row(instruction.target, terms),
+        _ => Step::Row(target, terms),
     }
 }

@@ -141,7 +141,10 @@ impl Precedence {
         let mut run = ready.to_vec();
         let mut next = 0;
         while let Some(place) = run.get(next).copied() {
-            for reader in self.after[place].iter().filter(|reader| self.codes[**reader] == code) {
+            for reader in self.after[place]
+                .iter()
+                .filter(|reader| self.codes[**reader] == code)
+            {
                 waiting[*reader] -= 1;
                 if waiting[*reader] == 0 {
                     run.push(*reader);
@@ -150,7 +153,10 @@ impl Precedence {
             next += 1;
         }
         for place in &run {
-            for reader in self.after[*place].iter().filter(|reader| self.codes[**reader] == code) {
+            for reader in self.after[*place]
+                .iter()
+                .filter(|reader| self.codes[**reader] == code)
+            {
                 waiting[*reader] += 1;
             }
         }
