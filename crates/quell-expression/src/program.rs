@@ -1,10 +1,10 @@
 //! Programs: graphs compiled for many evaluations.
 //!
 //! What makes them quick, in the order of gain: parameters are hoisted; sums of products are one instruction
-//! (`rows`); like instructions follow one another (`schedule`), since a wrong guess of the processor costs more than an
-//! operation; a batch shares the decoding among its lanes and computes them in the widest vectors that the machine has;
-//! values live in as few registers as their lifetimes allow, so that they stay in the nearest cache. None of it changes a
-//! rounding. Measured figures are in CONTRIBUTING.
+//! (`rows`); like instructions follow one another (`schedule`) and are decoded once, since a wrong guess of the processor
+//! costs more than an operation; a batch shares the decoding among its lanes and computes them in the widest vectors that
+//! the machine has, functions such as the sine included (`elementary`); values live in as few registers as their lifetimes
+//! allow, so that they stay in the nearest cache. None of it changes a rounding. Measured figures are in CONTRIBUTING.
 
 mod code;
 mod compile;

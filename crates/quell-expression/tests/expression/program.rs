@@ -59,6 +59,34 @@ fn lanes_have_the_bits_of_points_alone() {
 }
 
 #[test]
+fn sums_take_up_negations_without_changing_a_bit() {
+    let mut graph = Graph::default();
+    let [x, y, z] = [0, 1, 2].map(|index| graph.input(index));
+    let product = graph.multiply(x, y);
+    let negated = graph.negate(product);
+    let cosine = graph.unary(Function::Cos, x);
+    let opposite = graph.negate(cosine);
+    let first = graph.subtract(negated, z);
+    let second = graph.subtract(opposite, z);
+    let program = Program::compile(&graph, &[vec![first, second]], |_| false);
+    // Two sums and a cosine.
+    assert_eq!(program.operations(0), 3);
+    for inputs in [
+        [0.0, 1.0, 0.0],
+        [-0.0, 1.0, 0.0],
+        [0.3, -7.0, 0.1],
+        [1.5, 1e-9, -2.0],
+    ] {
+        let (mut workspace, mut outputs) = (Workspace::default(), [0.0; 2]);
+        program.prepare(&inputs, &mut workspace);
+        program.evaluate(0, &inputs, &mut workspace, &mut outputs);
+        let [x, y, z] = inputs;
+        let expected = [-(x * y) - z, graph.values(&[second], &inputs)[0]];
+        assert_eq!(outputs.map(f64::to_bits), expected.map(f64::to_bits));
+    }
+}
+
+#[test]
 fn holds_stop_formal_derivatives_only() {
     let mut graph = Graph::default();
     let (x, v) = (graph.input(0), graph.input(1));
