@@ -219,18 +219,28 @@ impl Stream {
                 (Code::Row, 2) => run_rows::<2, L>(own, rows, registers),
                 (Code::Row, 3) => run_rows::<3, L>(own, rows, registers),
                 (Code::Row, 4) => run_rows::<4, L>(own, rows, registers),
-                (Code::Row, length) => {
-                    for (instruction, row) in own.iter().zip(rows.chunks_exact(length as usize)) {
-                        registers[instruction.target as usize] = sum::<L, false>(row, registers);
-                    }
-                }
-                (_, length) => {
-                    for (instruction, row) in own.iter().zip(rows.chunks_exact(length as usize)) {
-                        registers[instruction.target as usize] = sum::<L, true>(row, registers);
-                    }
-                }
+                (Code::Row, length) => run_long::<false, L>(own, rows, length as usize, registers),
+                (_, length) => run_long::<true, L>(own, rows, length as usize, registers),
             }
         }
+    }
+}
+
+/// Rows of so many terms.
+#[inline(always)]
+fn run_long<const THREE: bool, const L: usize>(
+    own: &[Instruction],
+    mut rows: &[Term],
+    length: usize,
+    registers: &mut [[f64; L]],
+) {
+    for instruction in own {
+        // Chunks would be counted by a division, which takes as long as a row.
+        let Some((row, later)) = rows.split_at_checked(length) else {
+            return;
+        };
+        rows = later;
+        registers[instruction.target as usize] = sum::<L, THREE>(row, registers);
     }
 }
 
