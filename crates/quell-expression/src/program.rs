@@ -6,6 +6,7 @@
 //! the machine has, functions such as the sine included (`elementary`); values live in as few registers as their lifetimes
 //! allow, so that they stay in the nearest cache. None of it changes a rounding. Measured figures are in CONTRIBUTING.
 
+mod bank;
 mod code;
 mod compile;
 mod rows;

@@ -5,6 +5,7 @@
     reason = "only what is inlined is compiled for the vectors of the machine"
 )]
 
+use super::bank::{Bank, SMALL};
 use super::rows::Term;
 use crate::Function;
 use crate::elementary;
@@ -163,6 +164,8 @@ pub(super) struct Stream {
     instructions: Vec<Instruction>,
     /// Terms of all rows, one row after the other.
     terms: Vec<Term>,
+    /// One more than the largest number of a register.
+    registers: usize,
 }
 
 /// Instructions of one code that follow one another, decided upon once.
@@ -184,6 +187,12 @@ impl Stream {
     pub(super) fn push(&mut self, instruction: Instruction, terms: impl IntoIterator<Item = Term>) {
         let before = self.terms.len();
         self.terms.extend(terms);
+        let of_terms = self.terms[before..].iter();
+        let largest = of_terms
+            .flat_map(|term| [term.a, term.b, term.c])
+            .chain(instruction.reads().iter().copied())
+            .fold(instruction.target, u32::max);
+        self.registers = self.registers.max(largest as usize + 1);
         let terms = (self.terms.len() - before) as u32;
         self.instructions.push(instruction);
         match self.runs.last_mut() {
@@ -199,6 +208,14 @@ impl Stream {
     /// Runs the instructions on registers of L points each, in every lane the same arithmetic.
     #[inline(always)]
     pub(super) fn run<const L: usize>(&self, registers: &mut [[f64; L]]) {
+        match registers.first_chunk_mut::<SMALL>() {
+            Some(bank) if self.registers <= SMALL => self.run_in(bank),
+            _ => self.run_in(registers),
+        }
+    }
+
+    #[inline(always)]
+    fn run_in<const L: usize>(&self, registers: &mut (impl Bank<L> + ?Sized)) {
         let mut instructions = self.instructions.as_slice();
         let mut terms = self.terms.as_slice();
         for run in &self.runs {
@@ -232,7 +249,7 @@ fn run_long<const THREE: bool, const L: usize>(
     own: &[Instruction],
     mut rows: &[Term],
     length: usize,
-    registers: &mut [[f64; L]],
+    registers: &mut (impl Bank<L> + ?Sized),
 ) {
     for instruction in own {
         // Chunks would be counted by a division, which takes as long as a row.
@@ -240,7 +257,7 @@ fn run_long<const THREE: bool, const L: usize>(
             return;
         };
         rows = later;
-        registers[instruction.target as usize] = sum::<L, THREE>(row, registers);
+        registers.set(instruction.target, sum::<L, THREE>(row, registers));
     }
 }
 
@@ -249,27 +266,30 @@ fn run_long<const THREE: bool, const L: usize>(
 fn run_rows<const N: usize, const L: usize>(
     own: &[Instruction],
     rows: &[Term],
-    registers: &mut [[f64; L]],
+    registers: &mut (impl Bank<L> + ?Sized),
 ) {
     let (rows, _) = rows.as_chunks::<N>();
     for (instruction, row) in own.iter().zip(rows) {
-        registers[instruction.target as usize] = sum::<L, false>(row, registers);
+        registers.set(instruction.target, sum::<L, false>(row, registers));
     }
 }
 
 /// Terms of two or three factors, added from the left.
 #[inline(always)]
-fn sum<const L: usize, const THREE: bool>(terms: &[Term], registers: &[[f64; L]]) -> [f64; L] {
+fn sum<const L: usize, const THREE: bool>(
+    terms: &[Term],
+    registers: &(impl Bank<L> + ?Sized),
+) -> [f64; L] {
     let mut sum = [0.0; L];
     let Some((first, rest)) = terms.split_first() else {
         return sum;
     };
-    let (a, b) = (&registers[first.a as usize], &registers[first.b as usize]);
+    let (a, b) = (registers.at(first.a), registers.at(first.b));
     for lane in 0..L {
         sum[lane] = a[lane] * b[lane];
     }
     if THREE {
-        let c = &registers[first.c as usize];
+        let c = registers.at(first.c);
         for lane in 0..L {
             sum[lane] *= c[lane];
         }
@@ -278,10 +298,10 @@ fn sum<const L: usize, const THREE: bool>(terms: &[Term], registers: &[[f64; L]]
         *value = f64::from_bits(value.to_bits() ^ first.mask);
     }
     for term in rest {
-        let (a, b) = (&registers[term.a as usize], &registers[term.b as usize]);
+        let (a, b) = (registers.at(term.a), registers.at(term.b));
         let mask = term.mask;
         if THREE {
-            let c = &registers[term.c as usize];
+            let c = registers.at(term.c);
             for lane in 0..L {
                 let product = a[lane] * b[lane] * c[lane];
                 sum[lane] += f64::from_bits(product.to_bits() ^ mask);
@@ -298,8 +318,11 @@ fn sum<const L: usize, const THREE: bool>(terms: &[Term], registers: &[[f64; L]]
 
 /// Instructions of one code other than rows.
 #[inline(always)]
-fn run_simple<const L: usize>(code: Code, own: &[Instruction], registers: &mut [[f64; L]]) {
-    // The compiler numbers registers below the length that the work space has been given.
+fn run_simple<const L: usize>(
+    code: Code,
+    own: &[Instruction],
+    registers: &mut (impl Bank<L> + ?Sized),
+) {
     macro_rules! one {
         ($f:expr) => {{
             let f = $f;
@@ -307,8 +330,8 @@ fn run_simple<const L: usize>(code: Code, own: &[Instruction], registers: &mut [
                 target, operands, ..
             } in own
             {
-                let a = &registers[operands[0] as usize];
-                registers[*target as usize] = std::array::from_fn(|lane| f(a[lane]));
+                let a = registers.at(operands[0]);
+                registers.set(*target, std::array::from_fn(|lane| f(a[lane])));
             }
         }};
     }
@@ -318,7 +341,7 @@ fn run_simple<const L: usize>(code: Code, own: &[Instruction], registers: &mut [
                 target, operands, ..
             } in own
             {
-                registers[*target as usize] = $f(&registers[operands[0] as usize]);
+                registers.set(*target, $f(registers.at(operands[0])));
             }
         }};
     }
@@ -329,11 +352,8 @@ fn run_simple<const L: usize>(code: Code, own: &[Instruction], registers: &mut [
                 target, operands, ..
             } in own
             {
-                let (a, b) = (
-                    &registers[operands[0] as usize],
-                    &registers[operands[1] as usize],
-                );
-                registers[*target as usize] = std::array::from_fn(|lane| f(a[lane], b[lane]));
+                let (a, b) = (registers.at(operands[0]), registers.at(operands[1]));
+                registers.set(*target, std::array::from_fn(|lane| f(a[lane], b[lane])));
             }
         }};
     }
@@ -344,13 +364,12 @@ fn run_simple<const L: usize>(code: Code, own: &[Instruction], registers: &mut [
                 target, operands, ..
             } in own
             {
-                let (a, b) = (
-                    &registers[operands[0] as usize],
-                    &registers[operands[1] as usize],
+                let (a, b) = (registers.at(operands[0]), registers.at(operands[1]));
+                let c = registers.at(operands[2]);
+                registers.set(
+                    *target,
+                    std::array::from_fn(|lane| f(a[lane], b[lane], c[lane])),
                 );
-                let c = &registers[operands[2] as usize];
-                registers[*target as usize] =
-                    std::array::from_fn(|lane| f(a[lane], b[lane], c[lane]));
             }
         }};
     }
@@ -373,10 +392,12 @@ fn run_simple<const L: usize>(code: Code, own: &[Instruction], registers: &mut [
                 target, operands, ..
             } in own
             {
-                let a = &registers[operands[0] as usize];
+                let a = registers.at(operands[0]);
                 let exponent = operands[1].cast_signed();
-                registers[*target as usize] =
-                    std::array::from_fn(|lane| whole_power(a[lane], exponent));
+                registers.set(
+                    *target,
+                    std::array::from_fn(|lane| whole_power(a[lane], exponent)),
+                );
             }
         }
         Code::Power => two!(power),
@@ -385,9 +406,11 @@ fn run_simple<const L: usize>(code: Code, own: &[Instruction], registers: &mut [
                 target, operands, ..
             } in own
             {
-                let [a, b, c, d] = operands.map(|operand| &registers[operand as usize]);
-                registers[*target as usize] =
-                    std::array::from_fn(|lane| choose([a[lane], b[lane], c[lane], d[lane]]));
+                let [a, b, c, d] = operands.map(|operand| registers.at(operand));
+                registers.set(
+                    *target,
+                    std::array::from_fn(|lane| choose([a[lane], b[lane], c[lane], d[lane]])),
+                );
             }
         }
         Code::Sin => lanes!(elementary::sine),

@@ -1,5 +1,7 @@
 //! Where programs compute.
 
+use super::bank::SMALL;
+
 /// Registers of a program for L points at a time; made by `default`, sized by the program, so only the first call
 /// allocates.
 #[derive(Debug, Clone, Default)]
@@ -19,8 +21,9 @@ impl<const L: usize> Workspace<L> {
         registers: usize,
         scratch: usize,
     ) -> (&mut [[f64; L]], &mut [[f64; L]]) {
-        if self.registers.len() < registers {
-            self.registers.resize(registers, [f64::NAN; L]);
+        // What is written in a small bank needs a whole one.
+        if self.registers.len() < registers.max(SMALL) {
+            self.registers.resize(registers.max(SMALL), [f64::NAN; L]);
         }
         if self.scratch.len() < scratch {
             self.scratch.resize(scratch, [f64::NAN; L]);
