@@ -259,11 +259,14 @@ impl Situation {
             motions: false,
         };
         let (form, dimension) = quell_model::linear_form(&self.host, expression, &names)?;
-        let over = self
-            .host
+        Ok((form, dimension / self.input_dimension(input)))
+    }
+
+    /// SI dimension of an input as it is given; none where there is no such input.
+    pub(crate) fn input_dimension(&self, input: usize) -> Dimension {
+        self.host
             .inputs
             .get(input)
-            .map_or(Dimension::NONE, |input| input.dimension);
-        Ok((form, dimension / over))
+            .map_or(Dimension::NONE, |input| input.dimension)
     }
 }

@@ -118,9 +118,22 @@ pub enum Run {
     Modes {
         /// Only oscillatory modes count.
         oscillatory: bool,
+        /// Where the run is declared.
+        span: Span,
     },
     /// Motion in time.
     Transient(Box<TransientRun>),
+}
+
+impl Run {
+    /// Where the run is declared.
+    pub fn span(&self) -> Span {
+        match self {
+            Self::Frequency(run) => run.span,
+            Self::Modes { span, .. } => *span,
+            Self::Transient(run) => run.span,
+        }
+    }
 }
 
 /// Motion in time from a start until an event or a time.

@@ -311,6 +311,7 @@ fn runs(
             }
             Run::Modes {
                 oscillatory: which == Some("oscillatory"),
+                span,
             }
         } else {
             let input = entry.get("input").ok_or_else(|| {

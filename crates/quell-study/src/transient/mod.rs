@@ -9,4 +9,6 @@ mod plan;
 pub(crate) use history::History;
 pub(crate) use observation::Observation;
 pub(crate) use observe::observe;
-pub(crate) use plan::{Simulated, TransientPlan, ValuePlaces, Watching};
+pub(crate) use plan::{
+    Simulated, Source, TransientPlan, ValuePlaces, Watching, parameters, sources,
+};
