@@ -187,6 +187,15 @@ impl Situation {
         self.assembled.is_none()
     }
 
+    /// Whether all numbers of the host are plain.
+    pub(crate) fn is_dimensionless(&self) -> bool {
+        self.is_equations()
+            && self
+                .equations
+                .get()
+                .is_some_and(|equations| equations.dimensionless)
+    }
+
     /// The host as equations, for runs in time.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ use quell_expression::{Dimension, Quantity, Scope, Tape, TapeBuilder};
 use crate::criteria::RunKind;
 use crate::situation::Situation;
 use crate::study::{Run, Study};
+use crate::transient::excitations;
 
 /// One-sided spectrum per Hz as a function of f.
 #[derive(Debug, Clone)]
@@ -35,13 +36,17 @@ pub(crate) struct Prepared {
 
 pub(crate) fn prepare(study: &Study, situation: &Situation, run: &Run) -> Result<Prepared, Fault> {
     match run {
-        Run::Transient(_) => Ok(Prepared {
-            input: usize::MAX,
-            band: None,
-            spectrum: None,
-            oscillatory: false,
-            kind: RunKind::Transient,
-        }),
+        Run::Transient(run) => {
+            // A run that no criterion reads is looked at all the same.
+            excitations(study, situation, run)?;
+            Ok(Prepared {
+                input: usize::MAX,
+                band: None,
+                spectrum: None,
+                oscillatory: false,
+                kind: RunKind::Transient,
+            })
+        }
         Run::Modes { oscillatory, .. } => Ok(Prepared {
             input: usize::MAX,
             band: None,

@@ -1,11 +1,13 @@
 //! Runs in time: the host with its devices let loose, until an event or a time, and what criteria read from that.
 
+mod excitation;
 mod history;
 mod ledger;
 mod observation;
 mod observe;
 mod plan;
 
+pub(crate) use excitation::excitations;
 pub(crate) use history::History;
 pub(crate) use observation::Observation;
 pub(crate) use observe::observe;

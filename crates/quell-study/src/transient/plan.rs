@@ -6,16 +6,17 @@ use quell_document::Fault;
 use quell_expression::{
     BinaryOperator, ComparisonOperator, Dimension, Expression, ExpressionError, Node, nearest,
 };
-use quell_model::EquationHost;
 use quell_model::system::{
     Device, EquilibriumStatus, Owner, Phase, Prepared, Quantity, System, SystemError, Vocabulary,
     Watched,
 };
+use quell_model::{EquationHost, Waveform};
 use quell_network::Law;
 use quell_response::transient::{
     Condition, Direction, Dynamics, End, Event, Method, Record, Settings, Trajectory, simulate,
 };
 
+use super::excitation::excitations;
 use super::history::{History, histories};
 use super::ledger::LedgerSignals;
 use super::observation::Observation;
@@ -256,6 +257,8 @@ pub(crate) struct TransientPlan {
     settings: Settings,
     start: StartAt,
     ledger: Option<LedgerSignals>,
+    /// Signals of inputs that are the run's own.
+    inputs: Vec<(usize, Waveform)>,
     labels: Vec<Option<(String, Dimension)>>,
 }
 
@@ -370,6 +373,7 @@ impl TransientPlan {
             settings,
             start: run.start,
             ledger,
+            inputs: excitations(study, situation, run)?,
             labels: watching.labels.borrow().clone(),
         })
     }
@@ -387,6 +391,9 @@ impl TransientPlan {
         let mut carried: Option<Carried> = None;
         for (index, phase) in self.phases.iter().enumerate() {
             let mut moving = phase.system.prepare(&parameters);
+            for (input, waveform) in &self.inputs {
+                moving.set_waveform(*input, Some(waveform.clone()));
+            }
             let mut x = moving.start(t);
             if let Some(Carried { names, values }) = &carried {
                 for (state, target) in phase.system.states().iter().zip(&mut x) {
