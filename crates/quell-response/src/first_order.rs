@@ -156,8 +156,9 @@ impl FirstOrder {
         band: Option<(f64, f64)>,
         spectrum: Option<&Spectrum<'_>>,
     ) -> Result<Norm, ResponseError> {
-        let channel = self.channel(input, output)?;
-        Response::new(channel.clone(), &|omega| direct(&channel, omega))?.norm(band, spectrum)
+        let (channel, drifts) = self.reduced(input, output)?;
+        Response::new(channel.clone(), drifts, &|omega| direct(&channel, omega))?
+            .norm(band, spectrum)
     }
 
     /// ‖H‖₂² over all frequencies by the Lyapunov equation alone, for search loops.
@@ -165,7 +166,10 @@ impl FirstOrder {
     /// # Errors
     /// As [`h2_fast`](crate::h2_fast).
     pub fn h2_fast(&self, input: usize, output: usize) -> Result<f64, ResponseError> {
-        white(&self.channel(input, output)?)
+        match self.reduced(input, output)? {
+            (_, true) => Err(ResponseError::Undamped { hz: 0.0 }),
+            (channel, false) => white(&channel),
+        }
     }
 
     /// The modes: as many eigenvalues as states, those of motions that nothing pushes back as rigid-body ones.
@@ -215,9 +219,13 @@ impl FirstOrder {
         Ok(Modes { modes, scale })
     }
 
-    /// One input, one output, without derivatives of the input in the state equation and without motions that do not
-    /// matter to them, in balanced coordinates.
     fn channel(&self, input: usize, output: usize) -> Result<Channel<f64>, ResponseError> {
+        Ok(self.reduced(input, output)?.0)
+    }
+
+    /// One input, one output, without derivatives of the input in the state equation and without motions that do not
+    /// matter to them, in balanced coordinates; and whether the output drifts all the same.
+    fn reduced(&self, input: usize, output: usize) -> Result<(Channel<f64>, bool), ResponseError> {
         for (what, index, count) in [
             ("input", input, self.inputs()),
             ("output", output, self.outputs()),
@@ -244,7 +252,7 @@ impl FirstOrder {
         while d.len() > 1 && d.last() == Some(&0.0) {
             d.pop();
         }
-        let mut channel = drift::seen(Channel {
+        let (mut channel, drifts) = drift::seen(Channel {
             a: self.a.clone(),
             b: b[0].data().to_vec(),
             c,
@@ -256,7 +264,7 @@ impl FirstOrder {
             *b /= scale;
             *c *= scale;
         }
-        Ok(channel)
+        Ok((channel, drifts))
     }
 }
 

@@ -48,6 +48,9 @@ const TOLERANCE: f64 = 1e-10;
 /// A damping ratio below this counts as undamped.
 const UNDAMPED: f64 = 1e-10;
 
+/// Poles of a drift are at most this part of the largest: the root of what rounding makes of a double zero, and a little.
+const DRIFT: f64 = 1e-6;
+
 /// ‖H‖₂² over all frequencies or over a band (both signs of it), or the variance for a one-sided spectrum.
 ///
 /// * without `spectrum`: (1/2π) ∫ |H|² dω over both signs of `band` (rad/s), or over all frequencies;
@@ -85,6 +88,7 @@ pub fn h2(
         residues,
         channel,
         lossy,
+        drifts: false,
     };
     response.norm(band, spectrum)
 }
@@ -97,12 +101,15 @@ pub(crate) struct Response<'a> {
     /// None with loss factors.
     channel: Option<Channel<f64>>,
     lossy: bool,
+    /// Nothing pushes the output back: there are poles at zero, of which rounding makes small ones.
+    drifts: bool,
 }
 
 impl<'a> Response<'a> {
     /// Of a channel, with another way to its response.
     pub(crate) fn new(
         channel: Channel<f64>,
+        drifts: bool,
         direct: &'a dyn Fn(f64) -> Result<Complex64, ResponseError>,
     ) -> Result<Self, ResponseError> {
         Ok(Self {
@@ -110,6 +117,7 @@ impl<'a> Response<'a> {
             residues: Residues::new(&channel)?,
             channel: Some(channel),
             lossy: false,
+            drifts,
         })
     }
 
@@ -134,7 +142,11 @@ impl<'a> Response<'a> {
             |residues| residues.terms.iter().map(|term| term.0).collect(),
         );
         // Loss factors make poles of negative frequency look unstable: only ω > 0 has a meaning there.
-        let relevant = |pole: &&Complex64| !lossy || pole.im > 0.0;
+        let zero = if self.drifts { DRIFT * scale } else { -1.0 };
+        if self.drifts && band.is_none_or(|(from, _)| from <= zero) {
+            return Err(ResponseError::Undamped { hz: 0.0 });
+        }
+        let relevant = |pole: &&Complex64| (!lossy || pole.im > 0.0) && pole.norm() > zero;
         for pole in seen.iter().filter(relevant) {
             let margin = UNDAMPED * pole.norm().max(1e-6 * scale);
             if pole.re > margin {

@@ -55,8 +55,8 @@ pub enum OperatingError {
 
 /// A second moment, at which equations that do not contain time are the same.
 const LATER: f64 = 1.618_033_988_749_895;
-/// How much derivatives or rates may differ by rounding, relative to the largest of their row.
-const ROUNDING: f64 = 1e-9;
+/// Rounding errors of a derivative over the largest of its row, and of a rate over the terms that cancel in it.
+const ROUNDING: f64 = 1e-13;
 
 impl OperatingPoint {
     /// Finds the static equilibrium near where a run would begin (`start` values of the host), and linearises there.
@@ -84,7 +84,8 @@ impl OperatingPoint {
         let here = Look::at(prepared, 0.0, x);
         let linear = FirstOrder::new(&here.linear)?;
         let later = Look::at(prepared, LATER, x);
-        if here.differs(&later) > ROUNDING || here.jumps(&later) > ROUNDING {
+        let rounding = here.rounding();
+        if more(&here.changes(&later), &rounding) {
             return Err(OperatingError::Moving);
         }
         smooth(prepared, x, &here)?;
@@ -98,68 +99,102 @@ impl OperatingPoint {
 /// Rates and derivatives at a point.
 struct Look {
     rates: Vec<f64>,
+    /// What cancels in each rate, Σ |∂f/∂x_j x_j|.
+    terms: Vec<f64>,
+    /// Rows of [A, B_0, B_1, B_2], then of [C, D_0, D_1, D_2].
+    slopes: Vec<Vec<f64>>,
     linear: Linearised,
 }
 
 impl Look {
     fn at(prepared: &mut Prepared<'_>, t: f64, x: &[f64]) -> Self {
+        // What Newton's method finds shall not depend on where it was before.
+        prepared.forget();
         let mut rates = vec![0.0; x.len()];
         prepared.rates(t, x, &mut rates);
         let linear = prepared.linearise(t, x);
-        Self { rates, linear }
-    }
-
-    /// Largest difference of a derivative, over the largest entry of its row.
-    fn differs(&self, other: &Self) -> f64 {
-        let [states, inputs, _] = self.linear.sizes;
-        let (one, two) = (&self.linear, &other.linear);
-        let mut most = change(&one.a, &two.a, states).max(change(&one.c, &two.c, states));
-        for (one, two) in one.b.iter().chain(&one.d).zip(two.b.iter().chain(&two.d)) {
-            most = most.max(change(one, two, inputs));
-        }
-        most
-    }
-
-    /// Largest difference of a rate, over what the derivatives make of a state of size one.
-    fn jumps(&self, other: &Self) -> f64 {
-        let states = self.rates.len();
-        let rows = self.linear.a.chunks(states.max(1));
-        self.rates
+        let [states, inputs, outputs] = linear.sizes;
+        let row = |first: &[f64], then: &[Vec<f64>; 3], i: usize| -> Vec<f64> {
+            let blocks = then
+                .iter()
+                .flat_map(|block| &block[i * inputs..(i + 1) * inputs]);
+            first[i * states..(i + 1) * states]
+                .iter()
+                .chain(blocks)
+                .copied()
+                .collect()
+        };
+        let own = (0..states).map(|i| row(&linear.a, &linear.b, i));
+        let watched = (0..outputs).map(|i| row(&linear.c, &linear.d, i));
+        let slopes: Vec<Vec<f64>> = own.chain(watched).collect();
+        let terms = slopes[..states]
             .iter()
-            .zip(&other.rates)
-            .zip(rows)
-            .map(|((one, two), row)| {
-                let size = row.iter().fold(one.abs().max(two.abs()), |most, entry| {
-                    most.max(entry.abs())
-                });
-                ratio((one - two).abs(), size)
-            })
-            .fold(0.0, f64::max)
+            .map(|row| row.iter().zip(x).map(|(a, x)| (a * x).abs()).sum())
+            .collect();
+        Self {
+            rates,
+            terms,
+            slopes,
+            linear,
+        }
+    }
+
+    /// What is rounding in each rate and each derivative.
+    fn rounding(&self) -> Changes {
+        Changes {
+            rates: self.terms.iter().map(|terms| ROUNDING * terms).collect(),
+            slopes: self
+                .slopes
+                .iter()
+                .flat_map(|row| {
+                    let largest = row
+                        .iter()
+                        .fold(0.0_f64, |most, entry| most.max(entry.abs()));
+                    vec![ROUNDING * largest; row.len()]
+                })
+                .collect(),
+        }
+    }
+
+    /// How much rates and derivatives change to another point.
+    fn changes(&self, other: &Self) -> Changes {
+        let change = |(one, two): (&f64, &f64)| (one - two).abs();
+        Changes {
+            rates: self.rates.iter().zip(&other.rates).map(change).collect(),
+            slopes: self
+                .slopes
+                .iter()
+                .flatten()
+                .zip(other.slopes.iter().flatten())
+                .map(change)
+                .collect(),
+        }
     }
 }
 
-fn change(one: &[f64], two: &[f64], width: usize) -> f64 {
-    let mut most = 0.0_f64;
-    for (one, two) in one.chunks(width.max(1)).zip(two.chunks(width.max(1))) {
-        let size = one
-            .iter()
-            .chain(two)
-            .fold(0.0_f64, |size, entry| size.max(entry.abs()));
-        for (one, two) in one.iter().zip(two) {
-            most = most.max(ratio((one - two).abs(), size));
-        }
-    }
-    most
+/// One number for each rate, one for each derivative.
+struct Changes {
+    rates: Vec<f64>,
+    slopes: Vec<f64>,
 }
 
-fn ratio(part: f64, whole: f64) -> f64 {
-    if part == 0.0 {
-        0.0
-    } else if part.is_nan() || whole.is_nan() {
-        f64::INFINITY
-    } else {
-        part / whole
-    }
+/// Whether any change is more than rounding, or no number.
+fn more(changes: &Changes, rounding: &Changes) -> bool {
+    let pairs = |changes: &[f64], rounding: &[f64]| {
+        changes
+            .iter()
+            .zip(rounding)
+            .any(|(change, rounding)| change > rounding || change.is_nan())
+    };
+    pairs(&changes.rates, &rounding.rates) || pairs(&changes.slopes, &rounding.slopes)
+}
+
+/// Whether something changes as much a hundredth of the way off as all the way: smooth changes are a hundredth, roots a tenth.
+fn stays(near: &[f64], far: &[f64], rounding: &[f64]) -> bool {
+    near.iter()
+        .zip(far)
+        .zip(rounding)
+        .any(|((near, far), rounding)| near.is_nan() || (near > rounding && *near > 0.3 * far))
 }
 
 /// Refuses a point at which margins of pieces vanish and the pieces do not fit together in value and slope.
@@ -173,6 +208,7 @@ fn smooth(prepared: &mut Prepared<'_>, x: &[f64], here: &Look) -> Result<(), Ope
         prepared.switches(0.0, x, &mut values);
         values
     };
+    let rounding = here.rounding();
     let own = margins(prepared, x);
     let mut moved = vec![false; count];
     for (index, value) in x.iter().enumerate() {
@@ -195,22 +231,20 @@ fn smooth(prepared: &mut Prepared<'_>, x: &[f64], here: &Look) -> Result<(), Ope
         if !crosses {
             continue;
         }
-        let [mut kink, mut jump] = [[0.0_f64; 2]; 2];
-        for (place, share) in [1.0, 0.01].into_iter().enumerate() {
-            let sides = [share, -share].map(|share| Look::at(prepared, 0.0, &beside(share)));
-            for side in &sides {
-                kink[place] = kink[place].max(here.differs(side));
-            }
-            jump[place] = sides[0].jumps(&sides[1]);
-        }
+        let look = |prepared: &mut Prepared<'_>, share: f64| {
+            [share, -share].map(|share| Look::at(prepared, 0.0, &beside(share)))
+        };
+        let (far, near) = (look(prepared, 1.0), look(prepared, 0.01));
         let at = format!("`{}`", prepared.system().states()[index].name);
-        // What is smooth shrinks to a hundredth; a root to a tenth.
-        let stays = |change: [f64; 2]| change[1] > ROUNDING && change[1] > 0.3 * change[0];
-        if stays(jump) {
+        let across = [&near, &far].map(|sides| sides[0].changes(&sides[1]).rates);
+        if stays(&across[0], &across[1], &rounding.rates) {
             return Err(OperatingError::Jump { at });
         }
-        if stays(kink) {
-            return Err(OperatingError::Kink { at });
+        for (near, far) in near.iter().zip(&far) {
+            let slopes = [near, far].map(|side| here.changes(side).slopes);
+            if stays(&slopes[0], &slopes[1], &rounding.slopes) {
+                return Err(OperatingError::Kink { at });
+            }
         }
     }
     // A margin that no state moves is one of inputs.

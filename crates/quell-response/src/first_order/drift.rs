@@ -92,12 +92,12 @@ pub(super) fn without_drift(a: &Dense<f64>) -> Rest {
     rest
 }
 
-/// A channel without motions that its output does not see or its input does not move.
-pub(super) fn seen(mut channel: Channel<f64>) -> Channel<f64> {
+/// A channel without motions that its output does not see or its input does not move, and whether others are left.
+pub(super) fn seen(mut channel: Channel<f64>) -> (Channel<f64>, bool) {
     loop {
         let motions = null_vectors(&channel.a);
         if motions.is_empty() {
-            return channel;
+            return (channel, false);
         }
         if let Some(mut motion) = orthogonal(motions, &channel.c) {
             let place = unit(&mut motion);
@@ -112,7 +112,7 @@ pub(super) fn seen(mut channel: Channel<f64>) -> Channel<f64> {
         }
         let transposed = channel.a.transpose();
         let Some(mut constant) = orthogonal(null_vectors(&transposed), &channel.b) else {
-            return channel;
+            return (channel, true);
         };
         let place = unit(&mut constant);
         let share = channel.c[place];
