@@ -99,9 +99,55 @@ impl Document {
         Table::new(&self.source, self.root.span, node)
     }
 
+    /// The table at a [path](Table::path).
+    pub fn table(&self, path: &str) -> Option<Table<'_>> {
+        let node = self.root.find(path)?;
+        match &node.content {
+            Content::Table(table) => Some(Table::new(&self.source, node.span, table)),
+            _ => None,
+        }
+    }
+
+    /// Every table below the root, at any depth.
+    pub fn tables(&self) -> Vec<Table<'_>> {
+        let mut found = Vec::new();
+        self.root.tables(&self.source, &mut found);
+        found
+    }
+
     /// The file the document was read from.
     pub fn source(&self) -> &Arc<Source> {
         &self.source
+    }
+}
+
+impl Node {
+    /// Every table in what it holds.
+    fn tables<'a>(&'a self, source: &'a Arc<Source>, found: &mut Vec<Table<'a>>) {
+        let mut add = |node: &'a Self| {
+            if let Content::Table(table) = &node.content {
+                found.push(Table::new(source, node.span, table));
+            }
+            node.tables(source, found);
+        };
+        match &self.content {
+            Content::Table(table) => table.entries.iter().for_each(|entry| add(&entry.value)),
+            Content::Array(nodes) => nodes.iter().for_each(add),
+            _ => {}
+        }
+    }
+
+    /// The table at a path in what it holds.
+    fn find(&self, path: &str) -> Option<&Self> {
+        match &self.content {
+            Content::Table(table) if table.path == path => Some(self),
+            Content::Table(table) => table
+                .entries
+                .iter()
+                .find_map(|entry| entry.value.find(path)),
+            Content::Array(nodes) => nodes.iter().find_map(|node| node.find(path)),
+            _ => None,
+        }
     }
 }
 

@@ -33,6 +33,11 @@ impl<'a> Table<'a> {
         self.span
     }
 
+    /// The dotted path from the root of the document, `runs.kick.inputs`; empty for the root itself.
+    pub fn path(&self) -> &'a str {
+        &self.node.path
+    }
+
     /// The value of a key.
     pub fn get(&self, key: &str) -> Option<Value<'a>> {
         let entry = self.node.entry(key)?;

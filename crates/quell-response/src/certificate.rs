@@ -13,7 +13,7 @@
 use num_complex::Complex64;
 use quell_model::linear::LinearForm;
 
-use crate::assembly::{Assembly, OutputTerm};
+use crate::assembly::Assembly;
 use crate::eigen::Decompose;
 use crate::error::ResponseError;
 use crate::frequency::checked_band;
@@ -82,38 +82,23 @@ pub fn certify(
 ) -> Result<Certificate, ResponseError> {
     assembly.check_values(values)?;
     assembly.check_input(input)?;
-    let band = checked_band(band)?;
-    if !(1e-12..1.0).contains(&tolerance) {
-        return Err(ResponseError::Setting {
-            name: "tolerance",
-            value: tolerance,
-            range: "from 1e-12 to 1",
-        });
-    }
     let terms = assembly.output_terms(form)?;
-    let problem = Problem {
-        assembly,
-        values,
-        input,
-        terms: &terms,
-        band,
-        tolerance,
-    };
+    let direct = |omega: f64| assembly.direct_terms(values, input, &terms, omega, None);
+    let bound = Bound::new(&direct, band, tolerance)?;
     if assembly.loss.is_some() {
         let space =
             assembly.state_space(&assembly.structure, values, Complex64::ONE, Complex64::new)?;
-        problem.run(&space.channel(assembly, values, input, &terms)?)
+        bound.run(&space.channel(assembly, values, input, &terms)?)
     } else {
         let space = assembly.state_space(&assembly.structure, values, 1.0_f64, |k, _| k)?;
-        problem.run(&space.channel(assembly, values, input, &terms)?)
+        bound.run(&space.channel(assembly, values, input, &terms)?)
     }
 }
 
-struct Problem<'a> {
-    assembly: &'a Assembly,
-    values: &'a [f64],
-    input: usize,
-    terms: &'a [OutputTerm],
+/// The search for a bound, whatever the response is of.
+pub(crate) struct Bound<'a> {
+    /// H(jω) by another way than the channel's eigenvectors.
+    direct: &'a dyn Fn(f64) -> Result<Complex64, ResponseError>,
     band: (f64, f64),
     tolerance: f64,
 }
@@ -127,13 +112,32 @@ struct Bounded {
     failure: Option<f64>,
 }
 
-impl Problem<'_> {
-    fn direct(&self, omega: f64) -> Result<Complex64, ResponseError> {
-        self.assembly
-            .direct_terms(self.values, self.input, self.terms, omega, None)
+impl<'a> Bound<'a> {
+    /// Checks band and tolerance.
+    pub(crate) fn new(
+        direct: &'a dyn Fn(f64) -> Result<Complex64, ResponseError>,
+        band: (f64, f64),
+        tolerance: f64,
+    ) -> Result<Self, ResponseError> {
+        let band = checked_band(band)?;
+        if !(1e-12..1.0).contains(&tolerance) {
+            return Err(ResponseError::Setting {
+                name: "tolerance",
+                value: tolerance,
+                range: "from 1e-12 to 1",
+            });
+        }
+        Ok(Self {
+            direct,
+            band,
+            tolerance,
+        })
     }
 
-    fn run<T: Decompose>(&self, channel: &Channel<T>) -> Result<Certificate, ResponseError> {
+    pub(crate) fn run<T: Decompose>(
+        &self,
+        channel: &Channel<T>,
+    ) -> Result<Certificate, ResponseError> {
         let residues = Residues::new(channel)?;
         let breaks = self.breaks(residues.as_ref());
         let mut method = CertificateMethod::PartialFractions;
@@ -169,7 +173,7 @@ impl Problem<'_> {
         bounded: &Bounded,
         difference: f64,
     ) -> Result<Certificate, ResponseError> {
-        let value = match self.direct(bounded.omega) {
+        let value = match (self.direct)(bounded.omega) {
             Ok(response) => response.norm(),
             Err(ResponseError::SingularAt { .. }) => f64::INFINITY,
             Err(error) => return Err(error),
@@ -249,7 +253,7 @@ impl Problem<'_> {
         let mut largest = 0.0_f64;
         let middles = breaks.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
         for omega in breaks.iter().copied().chain(middles).chain([peak]) {
-            match self.direct(omega) {
+            match (self.direct)(omega) {
                 Ok(response) => {
                     let Some(value) = model(omega) else {
                         return Ok(f64::INFINITY);

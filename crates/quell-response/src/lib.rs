@@ -2,7 +2,8 @@
 //!
 //! An [`Assembly`] joins a host and devices by stamping; element values come with every call as one slice, so that a search
 //! reuses all structure. [`Plan`] evaluates peaks of a transfer function quickly; [`certify`] bounds them independently;
-//! [`Assembly::modes`] and [`Assembly::realise`] use the minimal first-order form; [`h2`] gives variances.
+//! [`Assembly::modes`] and [`Assembly::realise`] use the minimal first-order form; [`h2`] gives variances. An
+//! [`OperatingPoint`] is the same for systems of equations: linearised about their static equilibrium as a [`FirstOrder`].
 //!
 //! ```
 //! use std::sync::Arc;
@@ -62,9 +63,11 @@ mod certificate;
 mod dense;
 mod eigen;
 mod error;
+mod first_order;
 mod frequency;
 mod modes;
 mod norm;
+mod operating;
 mod peak;
 mod quadrature;
 mod realisation;
@@ -77,7 +80,9 @@ pub mod transient;
 pub use assembly::{Assembly, Attached};
 pub use certificate::{Certificate, CertificateMethod, CertificateStatus, certify};
 pub use error::ResponseError;
+pub use first_order::FirstOrder;
 pub use frequency::{Peak, Piece, Plan, PlanSettings, Scratch};
 pub use modes::{Mode, ModeKind, Modes};
 pub use norm::{Norm, NormMethod, Spectrum, h2, h2_fast};
+pub use operating::{OperatingError, OperatingPoint};
 pub use realisation::Realisation;

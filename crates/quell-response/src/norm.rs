@@ -48,6 +48,9 @@ const TOLERANCE: f64 = 1e-10;
 /// A damping ratio below this counts as undamped.
 const UNDAMPED: f64 = 1e-10;
 
+/// Poles of a drift are at most this part of the largest: the root of what rounding makes of a double zero, and a little.
+const DRIFT: f64 = 1e-6;
+
 /// ‖H‖₂² over all frequencies or over a band (both signs of it), or the variance for a one-sided spectrum.
 ///
 /// * without `spectrum`: (1/2π) ∫ |H|² dω over both signs of `band` (rad/s), or over all frequencies;
@@ -67,12 +70,8 @@ pub fn h2(
     assembly.check_values(values)?;
     assembly.check_input(input)?;
     let terms = assembly.output_terms(form)?;
-    if let Some((from, to)) = band
-        && !(from.is_finite() && to.is_finite() && from >= 0.0 && to > from)
-    {
-        return Err(ResponseError::Band { from, to });
-    }
-    let (residues, channel) = if assembly.loss.is_some() {
+    let lossy = assembly.loss.is_some();
+    let (residues, channel) = if lossy {
         let space =
             assembly.state_space(&assembly.structure, values, Complex64::ONE, Complex64::new)?;
         (
@@ -84,125 +83,178 @@ pub fn h2(
         let channel = space.channel(assembly, values, input, &terms)?;
         (Residues::new(&channel)?, Some(channel))
     };
-    let poles: Vec<Complex64> = residues
-        .as_ref()
-        .map_or_else(Vec::new, |residues| residues.poles.clone());
-    let scale = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
-    let seen: Vec<Complex64> = residues.as_ref().map_or_else(
-        || poles.clone(),
-        |residues| residues.terms.iter().map(|term| term.0).collect(),
-    );
-    // Loss factors make poles of negative frequency look unstable: only ω > 0 has a meaning there.
-    let relevant = |pole: &&Complex64| assembly.loss.is_none() || pole.im > 0.0;
-    for pole in seen.iter().filter(relevant) {
-        let margin = UNDAMPED * pole.norm().max(1e-6 * scale);
-        if pole.re > margin {
-            return Err(ResponseError::Unstable {
-                real: pole.re,
-                imaginary: pole.im,
-            });
-        }
-        let frequency = pole.im.abs();
-        let inside = band.is_none_or(|(from, to)| frequency >= from && frequency <= to);
-        if inside && pole.re > -margin {
-            return Err(ResponseError::Undamped {
-                hz: frequency / TAU,
-            });
-        }
+    let response = Response {
+        direct: &|omega| assembly.direct_terms(values, input, &terms, omega, None),
+        residues,
+        channel,
+        lossy,
+        drifts: false,
+    };
+    response.norm(band, spectrum)
+}
+
+/// A response of which norms are taken, whatever it is of.
+pub(crate) struct Response<'a> {
+    /// H(jω) by another way than the channel's eigenvectors.
+    direct: &'a dyn Fn(f64) -> Result<Complex64, ResponseError>,
+    residues: Option<Residues>,
+    /// None with loss factors.
+    channel: Option<Channel<f64>>,
+    lossy: bool,
+    /// Nothing pushes the output back: there are poles at zero, of which rounding makes small ones.
+    drifts: bool,
+}
+
+impl<'a> Response<'a> {
+    /// Of a channel, with another way to its response.
+    pub(crate) fn new(
+        channel: Channel<f64>,
+        drifts: bool,
+        direct: &'a dyn Fn(f64) -> Result<Complex64, ResponseError>,
+    ) -> Result<Self, ResponseError> {
+        Ok(Self {
+            direct,
+            residues: Residues::new(&channel)?,
+            channel: Some(channel),
+            lossy: false,
+            drifts,
+        })
     }
-    for pole in poles.iter().filter(relevant) {
-        if pole.re > 1e-8 * pole.norm().max(1e-3 * scale) {
-            return Err(ResponseError::Unstable {
-                real: pole.re,
-                imaginary: pole.im,
-            });
+
+    /// As [`h2`].
+    pub(crate) fn norm(
+        &self,
+        band: Option<(f64, f64)>,
+        spectrum: Option<&Spectrum<'_>>,
+    ) -> Result<Norm, ResponseError> {
+        if let Some((from, to)) = band
+            && !(from.is_finite() && to.is_finite() && from >= 0.0 && to > from)
+        {
+            return Err(ResponseError::Band { from, to });
         }
-    }
-    let direct = |omega: f64| {
-        let response = match assembly.direct_terms(values, input, &terms, omega, None) {
-            // An unseen undamped mode exactly on a sample.
-            Err(ResponseError::SingularAt { .. }) => {
-                assembly.direct_terms(values, input, &terms, omega * (1.0 + 1e-9), None)?
+        let (residues, channel, lossy) =
+            (self.residues.as_ref(), self.channel.as_ref(), self.lossy);
+        let poles: Vec<Complex64> =
+            residues.map_or_else(Vec::new, |residues| residues.poles.clone());
+        let scale = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+        let seen: Vec<Complex64> = residues.map_or_else(
+            || poles.clone(),
+            |residues| residues.terms.iter().map(|term| term.0).collect(),
+        );
+        // Loss factors make poles of negative frequency look unstable: only ω > 0 has a meaning there.
+        let zero = if self.drifts { DRIFT * scale } else { -1.0 };
+        if self.drifts && band.is_none_or(|(from, _)| from <= zero) {
+            return Err(ResponseError::Undamped { hz: 0.0 });
+        }
+        let relevant = |pole: &&Complex64| (!lossy || pole.im > 0.0) && pole.norm() > zero;
+        for pole in seen.iter().filter(relevant) {
+            let margin = UNDAMPED * pole.norm().max(1e-6 * scale);
+            if pole.re > margin {
+                return Err(ResponseError::Unstable {
+                    real: pole.re,
+                    imaginary: pole.im,
+                });
             }
-            other => other?,
-        };
-        let weight = match spectrum {
-            None => 1.0,
-            Some(spectrum) => {
-                let value = spectrum(omega);
-                if !(value.is_finite() && value >= 0.0) {
-                    return Err(ResponseError::Spectrum {
-                        hz: omega / TAU,
-                        value,
-                    });
+            let frequency = pole.im.abs();
+            let inside = band.is_none_or(|(from, to)| frequency >= from && frequency <= to);
+            if inside && pole.re > -margin {
+                return Err(ResponseError::Undamped {
+                    hz: frequency / TAU,
+                });
+            }
+        }
+        for pole in poles.iter().filter(relevant) {
+            if pole.re > 1e-8 * pole.norm().max(1e-3 * scale) {
+                return Err(ResponseError::Unstable {
+                    real: pole.re,
+                    imaginary: pole.im,
+                });
+            }
+        }
+        let direct = |omega: f64| {
+            let response = match (self.direct)(omega) {
+                // An unseen undamped mode exactly on a sample.
+                Err(ResponseError::SingularAt { .. }) => (self.direct)(omega * (1.0 + 1e-9))?,
+                other => other?,
+            };
+            let weight = match spectrum {
+                None => 1.0,
+                Some(spectrum) => {
+                    let value = spectrum(omega);
+                    if !(value.is_finite() && value >= 0.0) {
+                        return Err(ResponseError::Spectrum {
+                            hz: omega / TAU,
+                            value,
+                        });
+                    }
+                    value
                 }
-                value
+            };
+            Ok(response.norm_sqr() * weight)
+        };
+        let resonances: Vec<Complex64> = poles
+            .iter()
+            .copied()
+            .filter(|pole| pole.im >= 0.0)
+            .collect();
+        // Two-sided without a spectrum: (1/2π) 2 ∫; with one: ∫ df = (1/2π) ∫ dω.
+        let factor = if spectrum.is_some() {
+            1.0 / TAU
+        } else {
+            1.0 / PI
+        };
+        let integral = if let Some((from, to)) = band {
+            let low = from.max(if from == 0.0 { 1e-12 * to } else { from });
+            integrate(&breakpoints(&resonances, low, to), TOLERANCE, 4000, direct)?
+        } else {
+            let high = if scale > 0.0 { 4.0 * scale } else { 1.0 };
+            proper(residues, channel, spectrum, high, &direct)?;
+            let least = resonances
+                .iter()
+                .map(|pole| pole.norm())
+                .filter(|size| *size > 0.0)
+                .fold(high, f64::min);
+            let mut breaks = breakpoints(&resonances, 1e-9 * least, high);
+            breaks.insert(0, 0.0);
+            let below: Integral = integrate(&breaks, TOLERANCE, 4000, |omega| {
+                direct(omega.max(1e-12 * least))
+            })?;
+            // ω = high/t on the tail.
+            let above = integrate(&[0.0, 0.1, 1.0], TOLERANCE, 500, |t: f64| {
+                Ok(direct(high / t)? * high / (t * t))
+            })?;
+            Integral {
+                value: below.value + above.value,
+                error: below.error + above.error,
             }
         };
-        Ok(response.norm_sqr() * weight)
-    };
-    let resonances: Vec<Complex64> = poles
-        .iter()
-        .copied()
-        .filter(|pole| pole.im >= 0.0)
-        .collect();
-    // Two-sided without a spectrum: (1/2π) 2 ∫; with one: ∫ df = (1/2π) ∫ dω.
-    let factor = if spectrum.is_some() {
-        1.0 / TAU
-    } else {
-        1.0 / PI
-    };
-    let integral = if let Some((from, to)) = band {
-        let low = from.max(if from == 0.0 { 1e-12 * to } else { from });
-        integrate(&breakpoints(&resonances, low, to), TOLERANCE, 4000, direct)?
-    } else {
-        let high = if scale > 0.0 { 4.0 * scale } else { 1.0 };
-        proper(residues.as_ref(), channel.as_ref(), spectrum, high, &direct)?;
-        let least = resonances
-            .iter()
-            .map(|pole| pole.norm())
-            .filter(|size| *size > 0.0)
-            .fold(high, f64::min);
-        let mut breaks = breakpoints(&resonances, 1e-9 * least, high);
-        breaks.insert(0, 0.0);
-        let below: Integral = integrate(&breaks, TOLERANCE, 4000, |omega| {
-            direct(omega.max(1e-12 * least))
-        })?;
-        // ω = high/t on the tail.
-        let above = integrate(&[0.0, 0.1, 1.0], TOLERANCE, 500, |t: f64| {
-            Ok(direct(high / t)? * high / (t * t))
-        })?;
-        Integral {
-            value: below.value + above.value,
-            error: below.error + above.error,
+        let quadrature = Norm {
+            squared: factor * integral.value,
+            error_estimate: factor * integral.error,
+            method: NormMethod::Quadrature,
+        };
+        let all_damped = poles.iter().all(|pole| pole.re < -UNDAMPED * pole.norm());
+        if band.is_none()
+            && spectrum.is_none()
+            && all_damped
+            && let Some(channel) = channel
+            && let Some(squared) = lyapunov(channel)
+        {
+            // Near a hardly damped mode that the output hardly sees, samples of the stamped system are noise: the sum over
+            // pairs of poles is then the second opinion.
+            let by_poles = residues.map_or(f64::INFINITY, |residues| {
+                (squared - pole_sum(residues)).abs()
+            });
+            let difference = (squared - quadrature.squared).abs().min(by_poles);
+            let error_estimate = difference.max(4.0 * f64::EPSILON * squared);
+            return Ok(Norm {
+                squared,
+                error_estimate,
+                method: NormMethod::LyapunovAndQuadrature,
+            });
         }
-    };
-    let quadrature = Norm {
-        squared: factor * integral.value,
-        error_estimate: factor * integral.error,
-        method: NormMethod::Quadrature,
-    };
-    let all_damped = poles.iter().all(|pole| pole.re < -UNDAMPED * pole.norm());
-    if band.is_none()
-        && spectrum.is_none()
-        && all_damped
-        && let Some(channel) = &channel
-        && let Some(squared) = lyapunov(channel)
-    {
-        // Near a hardly damped mode that the output hardly sees, samples of the stamped system are noise: the sum over
-        // pairs of poles is then the second opinion.
-        let by_poles = residues.as_ref().map_or(f64::INFINITY, |residues| {
-            (squared - pole_sum(residues)).abs()
-        });
-        let difference = (squared - quadrature.squared).abs().min(by_poles);
-        let error_estimate = difference.max(4.0 * f64::EPSILON * squared);
-        return Ok(Norm {
-            squared,
-            error_estimate,
-            method: NormMethod::LyapunovAndQuadrature,
-        });
+        Ok(quadrature)
     }
-    Ok(quadrature)
 }
 
 /// ‖H‖₂² over all frequencies by the Lyapunov equation alone, for search loops; [`h2`] checks it.
@@ -220,7 +272,11 @@ pub fn h2_fast(
     assembly.no_loss("a norm by the Lyapunov equation")?;
     let terms = assembly.output_terms(form)?;
     let space = assembly.state_space(&assembly.structure, values, 1.0_f64, |k, _| k)?;
-    let channel = space.channel(assembly, values, input, &terms)?;
+    white(&space.channel(assembly, values, input, &terms)?)
+}
+
+/// [`h2_fast`] of a channel.
+pub(crate) fn white(channel: &Channel<f64>) -> Result<f64, ResponseError> {
     let size = channel.a.norm();
     let reference = channel
         .response(size)
@@ -234,7 +290,7 @@ pub fn h2_fast(
         }
         power *= size;
     }
-    lyapunov(&channel)
+    lyapunov(channel)
         .ok_or(ResponseError::Undamped { hz: 0.0 })
         .or_else(|error| {
             // Only now find out which mode it is.

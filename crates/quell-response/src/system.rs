@@ -36,4 +36,12 @@ impl Dynamics for Prepared<'_> {
     fn affine(&mut self, t: f64, x: &[f64], a: &mut [f64], b: &mut [f64]) -> bool {
         Prepared::affine(self, t, x, a, b)
     }
+
+    fn breakpoints(&self) -> Vec<f64> {
+        Prepared::breakpoints(self)
+    }
+
+    fn within(&mut self, piece: Option<(f64, f64)>) {
+        Prepared::within(self, piece);
+    }
 }

@@ -12,25 +12,25 @@
 //!
 //! | `max(s)`, `final(s)`, `integral(s, b)` … | transient | see [`crate::transient`] |
 //!
-//! y is linear in coordinates, inputs and outputs of the host (`xe - xs`, `xe''`, `force(port)`, `stroke(part)`);
+//! y is linear in coordinates, inputs and outputs of the host (`xe - xs`, `xe''`, `force(port)`, `stroke(part)`); of
+//! equations it is any expression, taken linear about the static equilibrium;
 //! around these calls any arithmetic over host parameters may stand.
 
+use crate::linear::Output;
+use crate::transient::Observation;
 use quell_expression::{
     Dimension, Expression, ExpressionError, Function, Node, Quantity, Scope, Span, nearest,
 };
-use quell_model::LinearForm;
 
-use crate::transient::Observation;
-
-/// A number taken from the response of an assembly.
+/// A number taken from a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Functional {
     /// Largest magnitude over the run's band.
-    Peak(LinearForm),
+    Peak(Output),
     /// Magnitude at one frequency, rad/s.
-    Magnitude(LinearForm, f64),
+    Magnitude(Output, f64),
     /// A norm.
-    Norm(LinearForm, Norm),
+    Norm(Output, Norm),
     /// A statistic of the modes.
     Modes(Statistic, Modal),
     /// A number of a run in time.
@@ -92,11 +92,11 @@ impl Modal {
 
 /// What the compiler of criteria asks of its surroundings.
 pub(crate) trait RunContext {
-    /// The linear form of a signal, with the dimension of signal over input.
+    /// What a signal is, with the dimension of signal over input.
     ///
     /// # Errors
-    /// The expression is not linear, or names something unknown.
-    fn signal(&self, expression: &Expression) -> Result<(LinearForm, Dimension), ExpressionError>;
+    /// The expression is not linear where the host is, or names something unknown.
+    fn signal(&self, expression: &Expression) -> Result<(Output, Dimension), ExpressionError>;
     /// Host parameters.
     fn scope(&self) -> &dyn Scope;
     /// What kind of run it is.

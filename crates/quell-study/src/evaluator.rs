@@ -1,44 +1,27 @@
 //! Criteria of one built candidate: fast values for a search, certified ones for a report.
 
+mod reading;
+mod run;
+
 use std::sync::Arc;
 
 use indexmap::IndexMap;
-use num_complex::Complex64;
 use quell_document::Fault;
-use quell_expression::{
-    Dimension, Expression, ExpressionError, Quantity, Scope, Tape, TapeBuilder,
-};
-use quell_model::LinearForm;
-use quell_response::{
-    CertificateStatus, ModeKind, Piece, Plan, PlanSettings, Scratch, certify, h2, h2_fast,
-};
+use quell_expression::{Dimension, Expression, ExpressionError, Scope, Tape, TapeBuilder};
+use quell_response::{OperatingPoint, Piece, Plan, PlanSettings, Scratch};
 
 use crate::built::{Built, ValueScratch};
-use crate::criteria::{
-    Functional, Modal, Norm, RunContext, RunKind, Statistic, compile, functional_name,
-};
+use crate::criteria::{Functional, RunContext, RunKind, compile, functional_name};
+use crate::linear::{Linear, LinearisedPlan, Output};
 use crate::results::{CriterionDetail, Ledger};
 use crate::situation::Situation;
-use crate::study::{Criterion, Run, Study, TransientRun};
+use crate::study::{Criterion, Run, Study};
 use crate::transient::{
     self, History, Observation, Simulated, TransientPlan, ValuePlaces, Watching,
 };
+use reading::{Known, Reading, in_time};
 
-/// A functional with the run that it reads.
-#[derive(Debug)]
-struct Reading {
-    functional: Functional,
-    run: String,
-    input: usize,
-    /// SI dimension of output over input.
-    response: Dimension,
-    band: Option<(f64, f64)>,
-    oscillatory: bool,
-    spectrum: Option<SpectrumTape>,
-    /// Tightest tolerance of the criteria that read it.
-    tolerance: f64,
-    plan: Option<Plan>,
-}
+pub(crate) use run::prepare;
 
 /// A criterion over the values of functionals.
 #[derive(Debug)]
@@ -50,23 +33,6 @@ struct Program {
     tape: Tape,
 }
 
-/// One-sided spectrum per Hz as a function of f.
-#[derive(Debug, Clone)]
-struct SpectrumTape {
-    tape: Tape,
-}
-
-impl SpectrumTape {
-    /// S at ω (rad/s), in the input's unit² per Hz.
-    fn value(&self, omega: f64) -> f64 {
-        let mut out = [f64::NAN];
-        self.tape.evaluate(&[omega], &mut Vec::new(), &mut out);
-        // In the study `f` is a quantity in rad/s like every frequency, and a spectrum "per Hz" is per 2π rad/s, so the
-        // expression gives the density over ω; per Hz it is 2π times as large.
-        out[0] * std::f64::consts::TAU
-    }
-}
-
 /// All criteria of one candidate.
 #[derive(Debug)]
 pub(crate) struct Evaluator {
@@ -75,7 +41,12 @@ pub(crate) struct Evaluator {
     programs: Vec<Program>,
     /// Runs in time by name, each carried out once for all that is read of it.
     transients: Vec<(String, TransientPlan)>,
+    /// Linear runs of systems of equations by name.
+    linearised: Vec<(String, LinearisedPlan)>,
 }
+
+/// The operating points of the linear runs of a candidate by name, or why there is none.
+type OperatingPoints<'a> = Vec<(&'a str, Result<OperatingPoint, String>)>;
 
 /// Buffers of one thread.
 #[derive(Debug, Default)]
@@ -104,10 +75,12 @@ pub(crate) type Missed = Vec<(usize, f64)>;
 
 /// A response that can be drawn.
 pub(crate) struct Drawable<'a> {
+    /// The run.
+    pub run: &'a str,
     /// The host's input.
     pub input: usize,
     /// What is looked at.
-    pub form: &'a LinearForm,
+    pub output: &'a Output,
     /// Over which angular frequencies, rad/s.
     pub band: Option<(f64, f64)>,
 }
@@ -123,9 +96,16 @@ struct Context<'a, 'w> {
 }
 
 impl RunContext for Context<'_, '_> {
-    fn signal(&self, expression: &Expression) -> Result<(LinearForm, Dimension), ExpressionError> {
-        self.situation
-            .signal(expression, &self.devices, &self.parts, self.input)
+    fn signal(&self, expression: &Expression) -> Result<(Output, Dimension), ExpressionError> {
+        if let Some(watching) = self.watching {
+            let (signal, dimension) = watching.signal(expression)?;
+            let over = self.situation.input_dimension(self.input);
+            return Ok((Output::Watched(signal), dimension / over));
+        }
+        let (form, dimension) =
+            self.situation
+                .signal(expression, &self.devices, &self.parts, self.input)?;
+        Ok((Output::Form(form), dimension))
     }
 
     fn scope(&self) -> &dyn Scope {
@@ -154,15 +134,6 @@ impl RunContext for Context<'_, '_> {
     }
 }
 
-/// What is known of a run at one set of parameters.
-pub(crate) struct Prepared {
-    input: usize,
-    band: Option<(f64, f64)>,
-    spectrum: Option<(SpectrumTape, Dimension)>,
-    oscillatory: bool,
-    kind: RunKind,
-}
-
 impl Evaluator {
     /// Compiles the criteria of a study for a candidate.
     ///
@@ -182,6 +153,7 @@ impl Evaluator {
             readings: Vec::new(),
             programs: Vec::new(),
             transients: Vec::new(),
+            linearised: Vec::new(),
         };
         let chosen: Vec<(&String, &Criterion)> = study
             .criteria
@@ -189,16 +161,19 @@ impl Evaluator {
             .filter(|(name, _)| only.is_none_or(|only| only.contains(&name.as_str())))
             .collect();
         let run_of = |name: &str| runs.get(name).or_else(|| study.runs.get(name));
-        // Signals are gathered while criteria are read; then each run in time is compiled once.
-        let mut in_time: Vec<(&String, &TransientRun)> = Vec::new();
+        // Signals are gathered while criteria are read; then each run of equations is compiled once.
+        let mut of_equations: Vec<(&String, &Run)> = Vec::new();
         for (_, criterion) in &chosen {
-            if let Some(Run::Transient(run)) = run_of(&criterion.run)
-                && !in_time.iter().any(|(known, _)| **known == criterion.run)
+            if let Some(run) = run_of(&criterion.run)
+                && (matches!(run, Run::Transient(_)) || evaluator.built.assembly.is_none())
+                && !of_equations
+                    .iter()
+                    .any(|(known, _)| **known == criterion.run)
             {
-                in_time.push((&criterion.run, run));
+                of_equations.push((&criterion.run, run));
             }
         }
-        let (host, devices) = if in_time.is_empty() {
+        let (host, devices) = if of_equations.is_empty() {
             (None, Vec::new())
         } else {
             let host = situation.equations()?;
@@ -208,7 +183,7 @@ impl Evaluator {
         let watchings: Vec<(&String, Watching<'_>)> = host
             .iter()
             .flat_map(|host| {
-                in_time
+                of_equations
                     .iter()
                     .map(|(name, _)| (*name, Watching::new(host, &devices)))
             })
@@ -222,18 +197,23 @@ impl Evaluator {
             evaluator.add(study, situation, (name, criterion), run, watching)?;
         }
         let first_elements = evaluator.built.first_elements();
-        for ((name, watching), (_, run)) in watchings.into_iter().zip(in_time) {
+        for ((name, watching), (_, run)) in watchings.into_iter().zip(of_equations) {
+            let built = Arc::clone(&evaluator.built);
+            let places = ValuePlaces {
+                elements: &first_elements,
+                law: &|device, name| built.law_place(device, name),
+            };
+            let Run::Transient(run) = run else {
+                let plan = LinearisedPlan::new(study, run.span(), &watching, &places)?;
+                evaluator.linearised.push((name.clone(), plan));
+                continue;
+            };
             // Whoever looks at everything wants to see where the energy went.
             let ledger = only.is_none()
                 || evaluator.readings.iter().any(|reading| {
                     reading.run == *name
                         && reading.functional == Functional::Time(Observation::EnergyError)
                 });
-            let built = Arc::clone(&evaluator.built);
-            let places = ValuePlaces {
-                elements: &first_elements,
-                law: &|device, name| built.law_place(device, name),
-            };
             let plan = TransientPlan::new(study, situation, run, &watching, ledger, &places)?;
             evaluator.transients.push((name.clone(), plan));
         }
@@ -257,19 +237,6 @@ impl Evaluator {
             ));
         };
         let prepared = prepare(study, situation, run)?;
-        if prepared.kind != RunKind::Transient && self.built.assembly.is_none() {
-            let why = if situation.is_equations() {
-                "the host is written as equations"
-            } else {
-                "a device holds a nonlinear element"
-            };
-            return Err(Fault::at(
-                &study.source,
-                criterion.span,
-                format!("`{name}` reads a response of linear systems, and {why}"),
-            )
-            .help("use a run of `kind = \"transient\"`"));
-        }
         let (devices, parts) = self.built.signal_names();
         let context = Context {
             study,
@@ -313,11 +280,11 @@ impl Evaluator {
             readings.push(self.readings.len());
             let response = match &functional {
                 // A norm's dimension holds that of the integral; the curve is drawn in the response's own.
-                Functional::Norm(form, _) => form_dimension(form, criterion, &context),
+                Functional::Norm(output, _) => output_dimension(output, criterion, &context),
                 _ => dimension,
             };
             let plan = match (&functional, prepared.band, &self.built.assembly) {
-                (Functional::Peak(form), Some(band), Some(assembly)) => Some(
+                (Functional::Peak(Output::Form(form)), Some(band), Some(assembly)) => Some(
                     Plan::new(
                         assembly,
                         prepared.input,
@@ -385,13 +352,17 @@ impl Evaluator {
     pub(crate) fn fast(&self, scratch: &mut EvaluatorScratch, out: &mut [f64]) {
         scratch.readings.clear();
         let mut simulated = self.simulate(&scratch.values);
-        for (index, reading) in self.readings.iter().enumerate() {
+        let points = self.operating_points(&scratch.values);
+        for reading in &self.readings {
             let value = match &reading.functional {
                 Functional::Time(observation) => simulated
                     .iter_mut()
                     .find(|(name, _)| *name == reading.run)
                     .map_or(f64::NAN, |(_, simulated)| simulated.read(observation).0),
-                _ => self.reading(index, scratch),
+                _ => match self.linear(&reading.run, &scratch.values, &points) {
+                    Ok(linear) => reading.fast(&linear, &mut scratch.response),
+                    Err(_) => f64::NAN,
+                },
             };
             scratch.readings.push(value);
         }
@@ -411,6 +382,34 @@ impl Evaluator {
                 )
             })
             .collect()
+    }
+
+    /// Finds the equilibria about which linear runs of equations are computed.
+    pub(crate) fn operating_points(&self, values: &ValueScratch) -> OperatingPoints<'_> {
+        self.linearised
+            .iter()
+            .map(|(name, plan)| (name.as_str(), plan.at(values)))
+            .collect()
+    }
+
+    /// The linear system of a run, or why there is none.
+    pub(crate) fn linear<'a>(
+        &'a self,
+        run: &str,
+        values: &'a ValueScratch,
+        points: &'a OperatingPoints<'_>,
+    ) -> Result<Linear<'a>, String> {
+        if let Some(assembly) = &self.built.assembly {
+            return Ok(Linear::Assembled {
+                assembly,
+                values: &values.mechanical,
+            });
+        }
+        match points.iter().find(|(name, _)| *name == run) {
+            Some((_, Ok(point))) => Ok(Linear::AtRest(point)),
+            Some((_, Err(why))) => Err(why.clone()),
+            None => Err("there is no such run".to_owned()),
+        }
     }
 
     /// Energy ledgers by run in time, at element values that stand in `values`.
@@ -441,67 +440,6 @@ impl Evaluator {
             histories.extend(simulated.histories(name, &read));
         }
         histories
-    }
-
-    fn reading(&self, index: usize, scratch: &mut EvaluatorScratch) -> f64 {
-        let Some(reading) = self.readings.get(index) else {
-            return f64::NAN;
-        };
-        let values = &scratch.values.mechanical;
-        let Some(assembly) = &self.built.assembly else {
-            return f64::NAN;
-        };
-        match &reading.functional {
-            Functional::Time(_) => f64::NAN,
-            Functional::Peak(_) => match &reading.plan {
-                Some(plan) => plan.peak(values, &mut scratch.response).value,
-                None => f64::NAN,
-            },
-            Functional::Magnitude(form, omega) => assembly
-                .direct_response(values, reading.input, form, *omega)
-                .map_or(f64::NAN, Complex64::norm),
-            Functional::Norm(form, norm) => {
-                let squared = if reading.band.is_none() && reading.spectrum.is_none() {
-                    h2_fast(assembly, values, reading.input, form).unwrap_or(f64::NAN)
-                } else {
-                    Self::norm_squared(reading, form, *norm, values, assembly)
-                        .map_or(f64::NAN, |norm| norm.squared)
-                };
-                rooted(*norm, squared)
-            }
-            Functional::Modes(statistic, modal) => {
-                modal_value(assembly, values, *statistic, *modal, reading.oscillatory)
-                    .unwrap_or(f64::NAN)
-            }
-        }
-    }
-
-    fn norm_squared(
-        reading: &Reading,
-        form: &LinearForm,
-        norm: Norm,
-        values: &[f64],
-        assembly: &quell_response::Assembly,
-    ) -> Result<quell_response::Norm, quell_response::ResponseError> {
-        let spectrum = reading.spectrum.clone();
-        let density = move |omega: f64| {
-            spectrum
-                .as_ref()
-                .map_or(1.0, |spectrum| spectrum.value(omega))
-        };
-        let weighted: Option<&quell_response::Spectrum<'_>> = if norm == Norm::H2 {
-            None
-        } else {
-            Some(&density)
-        };
-        h2(
-            assembly,
-            values,
-            reading.input,
-            form,
-            reading.band,
-            weighted,
-        )
     }
 
     /// The smooth pieces of which a criterion is the maximum, scaled by `factor`: value and gradient by design variables
@@ -571,6 +509,7 @@ impl Evaluator {
         let mut numbers = Vec::new();
         let mut knowledge: Vec<Known> = Vec::new();
         let mut simulated = self.simulate(&scratch.values);
+        let points = self.operating_points(&scratch.values);
         for (index, reading) in self.readings.iter().enumerate() {
             let (value, known) = match &reading.functional {
                 Functional::Time(observation) => {
@@ -579,7 +518,10 @@ impl Evaluator {
                         None => Known::failed("there is no such run".to_owned()),
                     }
                 }
-                _ => self.certified_reading(reading, &values),
+                _ => match self.linear(&reading.run, &scratch.values, &points) {
+                    Ok(linear) => reading.certified(&linear),
+                    Err(why) => Known::failed(why),
+                },
             };
             if let (Some(plan), Some(omega)) = (&reading.plan, known.omega) {
                 let fast = plan.peak(&values, &mut scratch.response).value;
@@ -629,90 +571,6 @@ impl Evaluator {
         (certified, missed)
     }
 
-    fn certified_reading(&self, reading: &Reading, values: &[f64]) -> (f64, Known) {
-        let Some(assembly) = &self.built.assembly else {
-            return Known::failed("there is no linear system".to_owned());
-        };
-        match &reading.functional {
-            Functional::Time(_) => Known::failed("there is no such run".to_owned()),
-            Functional::Peak(form) => {
-                let Some(band) = reading.band else {
-                    return Known::failed("the run has no band".to_owned());
-                };
-                match certify(
-                    assembly,
-                    values,
-                    reading.input,
-                    form,
-                    band,
-                    reading.tolerance,
-                ) {
-                    Ok(certificate) => (
-                        certificate.value,
-                        Known {
-                            omega: Some(certificate.omega),
-                            time: None,
-                            tolerance: Some(certificate.achieved_tolerance),
-                            status: match certificate.status {
-                                CertificateStatus::Certified => "certified".to_owned(),
-                                CertificateStatus::NotCertified { reason } => {
-                                    format!("not certified: {reason}")
-                                }
-                            },
-                        },
-                    ),
-                    Err(error) => Known::failed(error.to_string()),
-                }
-            }
-            Functional::Magnitude(form, omega) => {
-                match assembly.direct_response(values, reading.input, form, *omega) {
-                    Ok(response) => (
-                        response.norm(),
-                        Known {
-                            omega: Some(*omega),
-                            time: None,
-                            tolerance: None,
-                            status: "computed".to_owned(),
-                        },
-                    ),
-                    Err(error) => Known::failed(error.to_string()),
-                }
-            }
-            Functional::Norm(form, norm) => {
-                match Self::norm_squared(reading, form, *norm, values, assembly) {
-                    Ok(found) => {
-                        let relative = found.error_estimate / found.squared;
-                        let share = if *norm == Norm::Variance { 1.0 } else { 0.5 };
-                        (
-                            rooted(*norm, found.squared),
-                            Known {
-                                omega: None,
-                                time: None,
-                                tolerance: Some(share * relative),
-                                status: "computed".to_owned(),
-                            },
-                        )
-                    }
-                    Err(error) => Known::failed(error.to_string()),
-                }
-            }
-            Functional::Modes(statistic, modal) => {
-                match modal_value(assembly, values, *statistic, *modal, reading.oscillatory) {
-                    Ok(value) => (
-                        value,
-                        Known {
-                            omega: None,
-                            time: None,
-                            tolerance: None,
-                            status: "computed".to_owned(),
-                        },
-                    ),
-                    Err(error) => Known::failed(error),
-                }
-            }
-        }
-    }
-
     /// Makes the search's grids denser where certificates found more.
     ///
     /// # Errors
@@ -750,11 +608,12 @@ impl Evaluator {
         program.readings.iter().find_map(|index| {
             let reading = self.readings.get(*index)?;
             match &reading.functional {
-                Functional::Peak(form)
-                | Functional::Norm(form, _)
-                | Functional::Magnitude(form, _) => Some(Drawable {
+                Functional::Peak(output)
+                | Functional::Norm(output, _)
+                | Functional::Magnitude(output, _) => Some(Drawable {
+                    run: &reading.run,
                     input: reading.input,
-                    form,
+                    output,
                     band: reading.band,
                 }),
                 Functional::Modes(..) | Functional::Time(_) => None,
@@ -764,8 +623,8 @@ impl Evaluator {
 }
 
 /// The dimension of output over input of the norm in a criterion.
-fn form_dimension(
-    form: &LinearForm,
+fn output_dimension(
+    output: &Output,
     criterion: &Criterion,
     context: &Context<'_, '_>,
 ) -> Dimension {
@@ -774,56 +633,12 @@ fn form_dimension(
         if let quell_expression::Node::Call { arguments, .. } = &part.node
             && let [signal] = arguments.as_slice()
             && let Ok((known, dimension)) = context.signal(signal)
-            && known == *form
+            && known == *output
         {
             found = dimension;
         }
     });
     found
-}
-
-/// A number of a run in time with what is known about it.
-fn in_time(simulated: &mut Simulated<'_>, observation: &Observation) -> (f64, Known) {
-    let (value, time) = simulated.read(observation);
-    let status = if let Some(failure) = &simulated.failure {
-        failure.clone()
-    } else if value.is_nan() {
-        observation.absent().to_owned()
-    } else if simulated.grazes() {
-        "computed, but an event is grazed: it is touched rather than crossed, so a small change of any value may end the run much later".to_owned()
-    } else {
-        "computed".to_owned()
-    };
-    (
-        value,
-        Known {
-            omega: None,
-            time,
-            tolerance: None,
-            status,
-        },
-    )
-}
-
-struct Known {
-    omega: Option<f64>,
-    time: Option<f64>,
-    tolerance: Option<f64>,
-    status: String,
-}
-
-impl Known {
-    fn failed(status: String) -> (f64, Self) {
-        (
-            f64::NAN,
-            Self {
-                omega: None,
-                time: None,
-                tolerance: None,
-                status,
-            },
-        )
-    }
 }
 
 impl Program {
@@ -838,188 +653,4 @@ impl Program {
         self.tape.evaluate(inputs, work, &mut out);
         out[0]
     }
-}
-
-fn rooted(norm: Norm, squared: f64) -> f64 {
-    match norm {
-        Norm::Variance => squared,
-        Norm::H2 | Norm::Rms => squared.sqrt(),
-    }
-}
-
-fn modal_value(
-    assembly: &quell_response::Assembly,
-    values: &[f64],
-    statistic: Statistic,
-    modal: Modal,
-    oscillatory: bool,
-) -> Result<f64, String> {
-    let modes = assembly.modes(values).map_err(|error| error.to_string())?;
-    let counted = modes.modes.iter().filter(|mode| match mode.kind {
-        ModeKind::Oscillatory => true,
-        ModeKind::Real => !oscillatory,
-        ModeKind::RigidBody => false,
-    });
-    let numbers = counted.map(|mode| match modal {
-        Modal::DampingRatio => mode.damping_ratio,
-        Modal::DecayRate => -mode.eigenvalue.re,
-        Modal::Frequency => mode.eigenvalue.norm(),
-    });
-    match statistic {
-        Statistic::Least => numbers.min_by(f64::total_cmp),
-        Statistic::Largest => numbers.max_by(f64::total_cmp),
-    }
-    .ok_or_else(|| "no mode counts for this run".to_owned())
-}
-
-pub(crate) fn prepare(study: &Study, situation: &Situation, run: &Run) -> Result<Prepared, Fault> {
-    match run {
-        Run::Transient(_) => Ok(Prepared {
-            input: usize::MAX,
-            band: None,
-            spectrum: None,
-            oscillatory: false,
-            kind: RunKind::Transient,
-        }),
-        Run::Modes { oscillatory } => Ok(Prepared {
-            input: usize::MAX,
-            band: None,
-            spectrum: None,
-            oscillatory: *oscillatory,
-            kind: RunKind::Modes,
-        }),
-        Run::Frequency(run) => {
-            let index = situation
-                .host
-                .inputs
-                .iter()
-                .position(|known| known.name == run.input)
-                .ok_or_else(|| {
-                    Fault::at(
-                        &study.source,
-                        run.input_span,
-                        format!("there is no input `{}`", run.input),
-                    )
-                })?;
-            let band = match &run.band {
-                Some((lower, upper)) => Some(band_of(situation, lower, upper)?),
-                None => None,
-            };
-            let spectrum = match &run.spectrum {
-                Some(amount) => Some(spectrum_of(situation, amount, index)?),
-                None => None,
-            };
-            let kind = RunKind::Frequency {
-                band: band.is_some(),
-                spectrum: spectrum.as_ref().map(|(_, dimension)| *dimension),
-            };
-            Ok(Prepared {
-                input: index,
-                band,
-                spectrum,
-                oscillatory: false,
-                kind,
-            })
-        }
-    }
-}
-
-/// The least and the largest upper frequency of a band, rad/s.
-const SLOWEST: f64 = 1e-9 * std::f64::consts::TAU;
-const FASTEST: f64 = 1e12 * std::f64::consts::TAU;
-
-/// The least width of a band over its upper frequency.
-const NARROWEST: f64 = 1e-8;
-
-/// Lower and upper frequency, rad/s.
-fn band_of(
-    situation: &Situation,
-    lower: &crate::amount::Amount,
-    upper: &crate::amount::Amount,
-) -> Result<(f64, f64), Fault> {
-    let low = lower.value(&situation.parameters, Dimension::ANGULAR_FREQUENCY)?;
-    let high = upper.value(&situation.parameters, Dimension::ANGULAR_FREQUENCY)?;
-    if low < 0.0 {
-        return Err(lower.fault("a band begins at 0 Hz or above"));
-    }
-    if high <= low {
-        return Err(upper
-            .fault("the band is empty: its upper frequency is not above the lower one")
-            .help("write `band = [\"0 Hz\", \"30 Hz\"]`"));
-    }
-    // Outside these a grid of frequencies has no sense, and numbers near the smallest cannot be told apart.
-    if !(SLOWEST..=FASTEST).contains(&high) {
-        return Err(upper
-            .fault("a band ends between 1e-9 Hz and 1e12 Hz")
-            .help("are the units the ones that are meant?"));
-    }
-    if high - low < NARROWEST * high {
-        return Err(upper
-            .fault("the band is narrower than a millionth of a percent of its frequency")
-            .help("`abs(y, 12 Hz)` gives the magnitude at one frequency"));
-    }
-    Ok((low, high))
-}
-
-/// Host parameters and the frequency `f`.
-struct WithFrequency<'a> {
-    omega: f64,
-    outer: &'a dyn Scope,
-}
-
-impl Scope for WithFrequency<'_> {
-    fn quantity(&self, name: &str) -> Option<Quantity> {
-        if name == "f" {
-            Some(Quantity::new(self.omega, Dimension::ANGULAR_FREQUENCY))
-        } else {
-            self.outer.quantity(name)
-        }
-    }
-
-    fn names(&self) -> Vec<&str> {
-        let mut names = self.outer.names();
-        names.push("f");
-        names
-    }
-}
-
-/// The spectrum with the dimension of S·Hz (the input squared).
-fn spectrum_of(
-    situation: &Situation,
-    amount: &crate::amount::Amount,
-    input: usize,
-) -> Result<(SpectrumTape, Dimension), Fault> {
-    let sample = WithFrequency {
-        omega: 1.0,
-        outer: &situation.parameters,
-    };
-    let quantity = amount.quantity(&sample)?;
-    let own = situation
-        .host
-        .inputs
-        .get(input)
-        .map_or(Dimension::NONE, |input| input.dimension);
-    let expected = own * own / Dimension::ANGULAR_FREQUENCY;
-    if quantity.dimension.without_angle() != expected.without_angle() {
-        return Err(amount
-            .fault(format!(
-                "a spectrum of this input is in {}/Hz, found {}",
-                (own * own).unit_text(),
-                quantity.dimension
-            ))
-            .help("spectra are one-sided: the variance is the integral of S over f > 0"));
-    }
-    if quantity.value < 0.0 {
-        return Err(amount.fault("a spectrum is not negative"));
-    }
-    let mut builder = TapeBuilder::new(&["f".to_owned()]);
-    builder
-        .add(amount.expression(), &situation.parameters)
-        .map_err(|error| amount.fault(error.to_string()))?;
-    Ok((
-        SpectrumTape {
-            tape: builder.build(),
-        },
-        own * own * Dimension::TIME,
-    ))
 }

@@ -1,12 +1,14 @@
 //! The keys of a study file: one definition for the reader, the JSON Schema and the reference.
 
 use quell_document::{Key, KeySet, Shape};
+use quell_model::host::keys::SIGNAL;
 
 const TEXTS: Shape = Shape::List(&Shape::Text);
 const AMOUNTS: Shape = Shape::MapOf(&Shape::Amount);
 const COUNTS: Shape = Shape::MapOf(&Shape::Integer);
 const BOUNDS: Shape = Shape::AnyOf(&[Shape::List(&Shape::Amount), Shape::Table(&BOUNDS_TABLE)]);
 const DOMAINS: Shape = Shape::Choice(&["translational", "rotational", "electrical", "hydraulic"]);
+static SIGNALS: Shape = Shape::Table(&SIGNAL);
 const SCALES: Shape = Shape::Choice(&["linear", "log"]);
 
 /// The study itself.
@@ -74,7 +76,7 @@ pub const ELEMENT: KeySet = KeySet {
         Key::optional(
             "force",
             Shape::Expression,
-            "Force of a nonlinear element: an expression of its relative displacement `x` and its rate `v`, positive where it resists stretching, of its `parameters` and the host's. For runs in time.",
+            "Force of a nonlinear element: an expression of its relative displacement `x` and its rate `v`, positive where it resists stretching, of its `parameters` and the host's. Frequency responses and modes see its slopes at the static equilibrium.",
         ),
         Key::optional(
             "parameters",
@@ -178,7 +180,7 @@ pub const DEVICE: KeySet = KeySet {
 /// `[runs.NAME]`.
 pub const RUN: KeySet = KeySet {
     title: "Run",
-    documentation: "One computation: the response to a harmonic input over frequency, the free modes, or motion in time.",
+    documentation: "One computation: the response to a harmonic input over frequency, the free modes, or motion in time. Of equations the first two are about the static equilibrium near the host's `start` values.",
     keys: &[
         Key::required(
             "kind",
@@ -220,6 +222,11 @@ pub const RUN: KeySet = KeySet {
             "start",
             Shape::Choice(&["stated", "equilibrium"]),
             "transient: where it starts: as the host says (unless given), or in static equilibrium.",
+        ),
+        Key::optional(
+            "inputs",
+            Shape::MapOf(&SIGNALS),
+            "transient: what inputs of the host are in this run, in place of the `signal` that the host gives them: `{ F = { pulse = { amplitude = \"5 N\", duration = \"1 ms\" } } }`. An input that is not named here keeps the host's; one without any is zero.",
         ),
         Key::optional(
             "phases",
@@ -283,7 +290,7 @@ pub const PHASE: KeySet = KeySet {
 /// `[criteria.NAME]`.
 pub const CRITERION: KeySet = KeySet {
     title: "Criterion",
-    documentation: "One number taken from a run. Over frequency: `max(abs(y))`, `abs(y, 12 Hz)`, `h2(y)`, `rms(y)`, `variance(y)`; of modes: `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`. y is linear in coordinates, inputs and outputs (`xe - xs`, `xe''`, `force(PORT)`, `stroke(track1)`). Of motion in time, s and b being any expressions of signals: `max(s)`, `min(s)` (of `beyond(s)`: after the end event), `peak(s, n)`, `trough(s, n)`, `crossing(s, n)` (the time of the n-th rise through zero), `initial(s)`, `final(s)`, `at(s, TIME)`, `mean(s)`, `rms(s)`, `integral(s)` over time, `integral(s, b)` over b, `settling(s, BAND)`, `settling(s, TARGET, BAND)`; of a device or element `potential(NAME)`, `kinetic(NAME)`, `stored(NAME)`, `dissipated(NAME)`; `energy_error`.",
+    documentation: "One number taken from a run. Over frequency: `max(abs(y))`, `abs(y, 12 Hz)`, `h2(y)`, `rms(y)`, `variance(y)`; of modes: `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`. y is linear in coordinates, inputs and outputs (`xe - xs`, `xe''`, `force(PORT)`, `stroke(track1)`); where the host is written as equations or a device holds a nonlinear element, any expression, taken linear about the static equilibrium with inputs at rest. Of motion in time, s and b being any expressions of signals: `max(s)`, `min(s)` (of `beyond(s)`: after the end event), `peak(s, n)`, `trough(s, n)`, `crossing(s, n)` (the time of the n-th rise through zero), `initial(s)`, `final(s)`, `at(s, TIME)`, `mean(s)`, `rms(s)`, `integral(s)` over time, `integral(s, b)` over b, `settling(s, BAND)`, `settling(s, TARGET, BAND)`; of a device or element `potential(NAME)`, `kinetic(NAME)`, `stored(NAME)`, `dissipated(NAME)`; `energy_error`.",
     keys: &[
         Key::required("run", Shape::Text, "Name of the run."),
         Key::required("value", Shape::Expression, "The number."),

@@ -11,6 +11,7 @@ mod configuration;
 mod criteria;
 mod evaluator;
 pub mod keys;
+mod linear;
 pub mod outcome;
 mod plots;
 mod problem;

@@ -2,10 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use quell_model::LinearForm;
-use quell_response::{Assembly, certify};
-
 use crate::evaluator::{Drawable, Evaluator, EvaluatorScratch};
+use crate::linear::{Linear, Output};
 use crate::outcome::{Over, Plot, Role, Series};
 use crate::study::Study;
 use crate::transient::History;
@@ -44,7 +42,7 @@ impl Curves {
         }
         let mut scratch = EvaluatorScratch::default();
         built.values(point, &mut scratch.values);
-        let values = &scratch.values.mechanical;
+        let points = evaluator.operating_points(&scratch.values);
         for history in evaluator.histories(&scratch.values, self.only.as_deref()) {
             self.add_history(history, name, role);
         }
@@ -53,28 +51,32 @@ impl Curves {
             if self.only.as_deref().is_some_and(|only| only != *criterion) {
                 continue;
             }
-            let Some(Drawable { input, form, band }) = evaluator.drawable(index) else {
+            let Some(drawable) = evaluator.drawable(index) else {
                 continue;
             };
             let title = quantity(study, criterion);
-            let Some(assembly) = &built.assembly else {
+            let Ok(linear) = evaluator.linear(drawable.run, &scratch.values, &points) else {
                 continue;
             };
+            let Drawable {
+                input,
+                output,
+                band,
+                ..
+            } = drawable;
             // Curves that are compared run over the same frequencies: without a band those of the first.
             let first = || self.range(criterion);
-            let own = || around_modes(assembly, values);
+            let own = || around_modes(&linear);
             let Some((low, high)) = band.or_else(first).or_else(own) else {
                 continue;
             };
             let logarithmic = low > 0.0 && high / low > 50.0;
-            let marked =
-                band.and_then(|band| certify(assembly, values, input, form, band, 1e-6).ok());
+            let marked = band.and_then(|band| linear.certify(input, output, band, 1e-6).ok());
             let peak = marked.as_ref().map(|peak| (peak.omega / TAU, peak.value));
             let points = curve(
-                assembly,
-                values,
+                &linear,
                 input,
-                form,
+                output,
                 (low, high),
                 logarithmic,
                 marked.map(|peak| peak.omega),
@@ -182,8 +184,8 @@ fn response_unit(evaluator: &Evaluator, criterion: usize) -> String {
 }
 
 /// A decade below the slowest to a decade above the fastest mode.
-fn around_modes(assembly: &Assembly, values: &[f64]) -> Option<(f64, f64)> {
-    let modes = assembly.modes(values).ok()?;
+fn around_modes(linear: &Linear<'_>) -> Option<(f64, f64)> {
+    let modes = linear.modes().ok()?;
     let speeds = modes
         .modes
         .iter()
@@ -198,10 +200,9 @@ fn around_modes(assembly: &Assembly, values: &[f64]) -> Option<(f64, f64)> {
 }
 
 fn curve(
-    assembly: &Assembly,
-    values: &[f64],
+    linear: &Linear<'_>,
     input: usize,
-    form: &LinearForm,
+    output: &Output,
     (low, high): (f64, f64),
     logarithmic: bool,
     peak: Option<f64>,
@@ -227,11 +228,9 @@ fn curve(
         );
         omegas.sort_by(f64::total_cmp);
     }
-    omegas
+    linear
+        .magnitudes(input, output, &omegas)
         .into_iter()
-        .filter_map(|omega| {
-            let response = assembly.direct_response(values, input, form, omega).ok()?;
-            Some((omega / TAU, response.norm())).filter(|(_, value)| value.is_finite())
-        })
+        .map(|(omega, value)| (omega / TAU, value))
         .collect()
 }

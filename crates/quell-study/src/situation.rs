@@ -187,6 +187,15 @@ impl Situation {
         self.assembled.is_none()
     }
 
+    /// Whether all numbers of the host are plain.
+    pub(crate) fn is_dimensionless(&self) -> bool {
+        self.is_equations()
+            && self
+                .equations
+                .get()
+                .is_some_and(|equations| equations.dimensionless)
+    }
+
     /// The host as equations, for runs in time.
     ///
     /// # Errors
@@ -259,11 +268,14 @@ impl Situation {
             motions: false,
         };
         let (form, dimension) = quell_model::linear_form(&self.host, expression, &names)?;
-        let over = self
-            .host
+        Ok((form, dimension / self.input_dimension(input)))
+    }
+
+    /// SI dimension of an input as it is given; none where there is no such input.
+    pub(crate) fn input_dimension(&self, input: usize) -> Dimension {
+        self.host
             .inputs
             .get(input)
-            .map_or(Dimension::NONE, |input| input.dimension);
-        Ok((form, dimension / over))
+            .map_or(Dimension::NONE, |input| input.dimension)
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use indexmap::IndexMap;
-use quell_document::Source;
+use quell_document::{Document, Source};
 use quell_expression::{Expression, Span, Unit};
 use quell_model::HostFile;
 use quell_network::{Domain, Kinds, Layout};
@@ -19,7 +19,9 @@ pub struct Study {
     pub title: String,
     /// The text, for messages.
     pub source: Arc<Source>,
-    /// BLAKE3 of the study's and its host's texts and matrices, hexadecimal.
+    /// The text as read: signals of runs are worked out when the parameters are known.
+    pub(crate) document: Arc<Document>,
+    /// BLAKE3 of the study's and its host's texts, matrices and samples, hexadecimal.
     pub hash: String,
     /// The folder that paths in the study are relative to.
     pub folder: PathBuf,
@@ -118,9 +120,22 @@ pub enum Run {
     Modes {
         /// Only oscillatory modes count.
         oscillatory: bool,
+        /// Where the run is declared.
+        span: Span,
     },
     /// Motion in time.
     Transient(Box<TransientRun>),
+}
+
+impl Run {
+    /// Where the run is declared.
+    pub fn span(&self) -> Span {
+        match self {
+            Self::Frequency(run) => run.span,
+            Self::Modes { span, .. } => *span,
+            Self::Transient(run) => run.span,
+        }
+    }
 }
 
 /// Motion in time from a start until an event or a time.
@@ -134,6 +149,8 @@ pub struct TransientRun {
     pub beyond: Option<Amount>,
     /// Where it starts.
     pub start: StartAt,
+    /// Signals of inputs that differ from the host's, by the input's name.
+    pub inputs: IndexMap<String, Excitation>,
     /// Its phases, one after the other; none for a single free one.
     pub phases: Vec<PhaseSpec>,
     /// Relative tolerance of the integration.
@@ -141,6 +158,15 @@ pub struct TransientRun {
     /// How it is integrated.
     pub method: Integration,
     /// Where the run is declared.
+    pub span: Span,
+}
+
+/// What an input is in a run in time.
+#[derive(Debug, Clone)]
+pub struct Excitation {
+    /// Path of its table in the study.
+    pub path: String,
+    /// Where the input's name stands.
     pub span: Span,
 }
 

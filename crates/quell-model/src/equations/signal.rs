@@ -24,11 +24,20 @@ pub(crate) fn waveform(
     amounts: Amounts<'_>,
     folder: &Path,
 ) -> Result<Waveform, Fault> {
-    let table = value.as_table()?;
+    read(&value.as_table()?, dimension, amounts, folder)
+}
+
+/// Reads the table of a signal.
+pub(crate) fn read(
+    table: &Table<'_>,
+    dimension: Dimension,
+    amounts: Amounts<'_>,
+    folder: &Path,
+) -> Result<Waveform, Fault> {
     table.check(&keys::SIGNAL)?;
     let given: Vec<_> = table.entries().collect();
     let [(kind, _, value)] = &given[..] else {
-        return Err(value
+        return Err(table
             .fault("expected one of `harmonic`, `pulse`, `random` and `sampled`")
             .help("for example `signal = { harmonic = { amplitude = \"2 mm\", frequency = \"3 Hz\" } }`"));
     };
@@ -44,7 +53,12 @@ pub(crate) fn waveform(
 
 /// The file that a signal names, if it names one.
 pub(crate) fn file(signal: &Value<'_>, folder: &Path) -> Option<PathBuf> {
-    let sampled = signal.as_table().ok()?.get("sampled")?.as_table().ok()?;
+    file_of(&signal.as_table().ok()?, folder)
+}
+
+/// The file that the table of a signal names, if it names one.
+pub(crate) fn file_of(signal: &Table<'_>, folder: &Path) -> Option<PathBuf> {
+    let sampled = signal.get("sampled")?.as_table().ok()?;
     Some(folder.join(sampled.get("file")?.as_str().ok()?))
 }
 

@@ -1,9 +1,15 @@
 //! Inputs as functions of time.
 
 use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
 
+use quell_document::{Fault, Table};
+use quell_expression::{Dimension, Quantity};
+
+use super::amounts::Amounts;
 use super::random::Random;
 use super::samples::Samples;
+use super::signal;
 
 /// An input as a function of time, with its exact first and second derivatives.
 ///
@@ -23,6 +29,31 @@ pub enum Waveform {
 }
 
 impl Waveform {
+    /// Reads a `signal` for an input of the given dimension (with none where the host is `dimensionless`); its amounts may
+    /// be expressions of `parameters`, its file is looked for in `folder`.
+    ///
+    /// # Errors
+    /// What is wrong with the table or the file that it names, at its place.
+    pub fn read(
+        table: &Table<'_>,
+        dimension: Dimension,
+        parameters: &Vec<(String, Quantity)>,
+        dimensionless: bool,
+        folder: &Path,
+    ) -> Result<Self, Fault> {
+        let amounts = Amounts {
+            parameters,
+            dimensionless,
+        };
+        signal::read(table, dimension, amounts, folder)
+    }
+
+    /// The file that a `signal` names, if it names one.
+    #[must_use]
+    pub fn file(table: &Table<'_>, folder: &Path) -> Option<PathBuf> {
+        signal::file_of(table, folder)
+    }
+
     /// Value, first and second derivative at time `t`, s; at a breakpoint those after it.
     #[must_use]
     pub fn value(&self, t: f64) -> [f64; 3] {

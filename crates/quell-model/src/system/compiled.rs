@@ -202,6 +202,12 @@ impl System {
         self.signal_count
     }
 
+    /// Number of inputs, those of the host.
+    #[must_use]
+    pub const fn inputs(&self) -> usize {
+        self.waves.len()
+    }
+
     /// Number of margins at whose zeros the rates have kinks or jumps.
     #[must_use]
     pub const fn switches(&self) -> usize {

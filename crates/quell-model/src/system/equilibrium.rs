@@ -2,6 +2,7 @@
 
 use super::assembly::StateKind;
 use super::dense::Lu;
+use super::pinned;
 use super::prepared::Prepared;
 
 /// How the search for an equilibrium ended.
@@ -40,7 +41,8 @@ impl Prepared<'_> {
     ///
     /// Newton's method, damped by natural monotonicity; where it fails, pseudo-transient continuation on positions (a step
     /// of an implicit relaxation, longer the smaller the rest becomes; Kelley and Keyes 1998). Gravity, preload and held
-    /// phases count, for all are in the rates.
+    /// phases count, for all are in the rates. What nothing pushes back (a free body, the integral of an input) stays at
+    /// the guess.
     pub fn equilibrium(&mut self, t: f64, guess: &[f64]) -> Equilibrium {
         let kinds: Vec<StateKind> = self.system.states.iter().map(|state| state.kind).collect();
         let n = kinds.len();
@@ -80,12 +82,22 @@ impl Prepared<'_> {
             rates: vec![0.0; n],
             initial: Vec::new(),
             iterations: 0,
+            singular: false,
+            pins: false,
         };
         search.evaluate(&x);
         search.initial = search.rates.clone();
         let begin = x.clone();
         if search.newton(&mut x) {
             return search.finish(x, EquilibriumStatus::Converged);
+        }
+        if search.singular {
+            let mut pinned = begin.clone();
+            search.pins = true;
+            if search.newton(&mut pinned) {
+                return search.finish(pinned, EquilibriumStatus::Converged);
+            }
+            search.pins = false;
         }
         let reached = search.quality(&x);
         let mut relaxed = begin;
@@ -109,6 +121,26 @@ struct Search<'p, 's> {
     rates: Vec<f64>,
     initial: Vec<f64>,
     iterations: usize,
+    /// Whether a singular matrix was met.
+    singular: bool,
+    /// Whether unknowns that a singular matrix leaves open stay where they are.
+    pins: bool,
+}
+
+/// The matrix of a step, ready to solve with.
+enum Matrix {
+    Factored(Lu),
+    /// Row-major entries of a singular one.
+    Pinned(Vec<f64>),
+}
+
+impl Matrix {
+    fn solve(&self, b: &mut Vec<f64>) {
+        match self {
+            Self::Factored(lu) => lu.solve(b),
+            Self::Pinned(entries) => *b = pinned::solve(entries, b),
+        }
+    }
 }
 
 impl Search<'_, '_> {
@@ -142,6 +174,15 @@ impl Search<'_, '_> {
             }
         }
         lu
+    }
+
+    /// The Jacobian of the paired equations, row-major.
+    fn entries(&self) -> Vec<f64> {
+        let columns = self.pairs.iter().map(|(column, _)| *column);
+        self.pairs
+            .iter()
+            .flat_map(|(_, row)| columns.clone().map(|column| self.entry(*row, column)))
+            .collect()
     }
 
     /// Largest rate over the size of what cancels in it, at the last evaluation.
@@ -189,10 +230,19 @@ impl Search<'_, '_> {
             if step.iter().all(|r| *r == 0.0) {
                 return true;
             }
-            if !lu.factor() {
-                return self.relative(x) <= ENOUGH;
-            }
-            lu.solve(&mut step);
+            let matrix = if lu.factor() {
+                Matrix::Factored(lu)
+            } else {
+                self.singular = true;
+                if self.relative(x) <= ENOUGH {
+                    return true;
+                }
+                if !self.pins {
+                    return false;
+                }
+                Matrix::Pinned(self.entries())
+            };
+            matrix.solve(&mut step);
             let length = norm(&step);
             if !length.is_finite() {
                 return false;
@@ -203,7 +253,7 @@ impl Search<'_, '_> {
                 self.step(&mut trial, &step, factor);
                 self.evaluate(&trial);
                 let mut after = self.residual();
-                lu.solve(&mut after);
+                matrix.solve(&mut after);
                 let reached = norm(&after);
                 if reached <= (1.0 - factor / 4.0) * length {
                     *x = trial;
@@ -220,7 +270,8 @@ impl Search<'_, '_> {
                 }
             }
             if factor == 1.0 && length <= 1e-14 * norm(x) {
-                return true;
+                // A singular matrix may leave equations out that contradict the others.
+                return matches!(matrix, Matrix::Factored(_)) || self.relative(x) <= 1e3 * ENOUGH;
             }
         }
         self.quality(x) <= ENOUGH

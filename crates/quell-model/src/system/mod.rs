@@ -16,6 +16,7 @@ mod inputs;
 mod layers;
 mod motion;
 mod newton;
+mod pinned;
 mod prepared;
 mod structure;
 mod vocabulary;

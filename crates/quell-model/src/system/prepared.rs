@@ -17,6 +17,8 @@ pub struct Prepared<'s> {
     /// All graph inputs.
     pub(crate) point: Vec<f64>,
     pub(crate) waveforms: Vec<Option<Waveform>>,
+    /// Between which two times waveforms are asked for.
+    piece: Option<(f64, f64)>,
     rates: Workspace,
     jacobian: Workspace,
     signals: Workspace,
@@ -50,6 +52,7 @@ impl<'s> Prepared<'s> {
             system,
             point: vec![0.0; system.inputs],
             waveforms: system.waveforms.clone(),
+            piece: None,
             rates: Workspace::default(),
             jacobian: Workspace::default(),
             signals: Workspace::default(),
@@ -111,6 +114,26 @@ impl<'s> Prepared<'s> {
         }
     }
 
+    /// The times at which an input or one of its first two derivatives jumps, in order.
+    #[must_use]
+    pub fn breakpoints(&self) -> Vec<f64> {
+        let mut all: Vec<f64> = self
+            .waveforms
+            .iter()
+            .flatten()
+            .flat_map(Waveform::breakpoints)
+            .collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
+    }
+
+    /// Between which two times everything is asked for from now on: at its ends inputs are what they are inside. None: any
+    /// time, and at a [breakpoint](Self::breakpoints) inputs are what they are after it.
+    pub fn within(&mut self, piece: Option<(f64, f64)>) {
+        self.piece = piece.filter(|(from, to)| from < to);
+    }
+
     /// Whether Newton's method has failed since this was last asked: rates were not-a-number then.
     pub fn take_failure(&mut self) -> bool {
         std::mem::take(&mut self.unsolved)
@@ -120,8 +143,14 @@ impl<'s> Prepared<'s> {
         if let Some(entry) = self.point.get_mut(self.system.time) {
             *entry = t;
         }
+        let inside = self.piece.map_or(t, |(from, to)| {
+            let margin = 1e-9 * (to - from);
+            t.max(from + margin).min(to - margin)
+        });
         for (waveform, places) in self.waveforms.iter().zip(&self.system.waves) {
-            let values = waveform.as_ref().map_or([0.0; 3], |wave| wave.value(t));
+            let values = waveform
+                .as_ref()
+                .map_or([0.0; 3], |wave| wave.value_beside(t, inside));
             for (place, value) in places.iter().zip(values) {
                 if let Some(entry) = self.point.get_mut(*place) {
                     *entry = value;

@@ -62,6 +62,16 @@ pub trait Dynamics {
     fn affine(&mut self, _t: f64, _x: &[f64], _a: &mut [f64], _b: &mut [f64]) -> bool {
         false
     }
+
+    /// Times at which the rates have a jump or a kink whatever the state is, in any order: the edges of a pulse, the corners
+    /// of a polygon. No step goes across one, and the integration starts anew there.
+    fn breakpoints(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Between which two times everything is asked for from now on. At its ends that is what holds inside, on either side of
+    /// a jump there. None: any time, and at a breakpoint what holds after it.
+    fn within(&mut self, _piece: Option<(f64, f64)>) {}
 }
 
 impl<D: Dynamics + ?Sized> Dynamics for &mut D {
@@ -88,5 +98,11 @@ impl<D: Dynamics + ?Sized> Dynamics for &mut D {
     }
     fn affine(&mut self, t: f64, x: &[f64], a: &mut [f64], b: &mut [f64]) -> bool {
         (**self).affine(t, x, a, b)
+    }
+    fn breakpoints(&self) -> Vec<f64> {
+        (**self).breakpoints()
+    }
+    fn within(&mut self, piece: Option<(f64, f64)>) {
+        (**self).within(piece);
     }
 }

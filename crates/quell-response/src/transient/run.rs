@@ -33,6 +33,8 @@ pub(crate) struct Run<'a> {
     /// Where it ends at the latest; an event that ends it brings this nearer.
     limit: f64,
     length: f64,
+    /// Times over which no step goes, in order.
+    stops: Vec<f64>,
     bound: f64,
     trajectory: Trajectory,
     monitor: Monitor<'a>,
@@ -56,6 +58,10 @@ impl<'a> Run<'a> {
         settings: &'a Settings,
         progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Self {
+        let mut stops = dynamics.breakpoints();
+        stops.extend(&settings.restarts);
+        stops.retain(|stop| *stop > from && *stop < to);
+        stops.sort_by(f64::total_cmp);
         let largest = start
             .iter()
             .fold(1.0_f64, |largest, value| largest.max(value.abs()));
@@ -65,6 +71,7 @@ impl<'a> Run<'a> {
             from,
             limit: to,
             length: to - from,
+            stops,
             bound: settings.divergence * largest,
             trajectory: Trajectory::new(from, start),
             monitor: Monitor::new(
@@ -83,6 +90,20 @@ impl<'a> Run<'a> {
 
     /// Piece after piece until the run is over.
     pub(crate) fn go(&mut self, dynamics: &mut dyn Dynamics, absolute: &[f64]) {
+        self.pieces(dynamics, absolute);
+        dynamics.within(None);
+    }
+
+    /// How far a piece that begins now may go: to the next stop, or to the end.
+    fn reach(&self, begin: f64) -> f64 {
+        let rounding = 8.0 * f64::EPSILON * begin.abs().max(self.length);
+        let next = self.stops.partition_point(|stop| *stop <= begin + rounding);
+        self.stops
+            .get(next)
+            .map_or(self.limit, |stop| stop.min(self.limit))
+    }
+
+    fn pieces(&mut self, dynamics: &mut dyn Dynamics, absolute: &[f64]) {
         let n = self.trajectory.states();
         let mut exact = Exact::default();
         let (mut a, mut b) = (vec![0.0; n * n], vec![0.0; n]);
@@ -92,10 +113,12 @@ impl<'a> Run<'a> {
             let begin = self.trajectory.last();
             let x = self.trajectory.state(begin);
             self.left = Left::Not;
+            let reach = self.reach(begin);
+            dynamics.within(Some((begin, reach)));
             let piece = Piece {
                 t: begin,
                 x: &x,
-                limit: self.limit,
+                limit: reach,
                 scale: self.length,
                 relative: self.settings.relative,
                 absolute,
@@ -143,6 +166,10 @@ impl<'a> Run<'a> {
                 (Left::Not, Ending::Failed { t, why }) => {
                     self.fail(dynamics, t, why);
                     return;
+                }
+                // At a stop, with more to come.
+                (Left::Not, Ending::Reached) if self.trajectory.last() < self.limit => {
+                    self.trajectory.statistics.restarts += 1;
                 }
                 (Left::Over | Left::Not, _) => return,
             }

@@ -44,6 +44,8 @@ pub struct Settings {
     pub continuation: f64,
     /// Most steps; 1,000,000.
     pub step_limit: usize,
+    /// Times at which the integration starts anew, beside the system's own breakpoints; none.
+    pub restarts: Vec<f64>,
     /// Size of a state, relative to one or its start, beyond which the run counts as diverged; 1e12.
     pub divergence: f64,
 }
@@ -58,6 +60,7 @@ impl Default for Settings {
             grazing: 1e-6,
             continuation: 0.0,
             step_limit: 1_000_000,
+            restarts: Vec::new(),
             divergence: 1e12,
         }
     }

@@ -54,11 +54,11 @@ fn characteristic(a: &[f64], n: usize, s: Complex64) -> (Complex64, f64) {
             determinant = -determinant;
         }
         determinant *= m[k][k];
-        for i in k + 1..n {
-            let factor = m[i][k] / m[k][k];
-            for j in k..n {
-                let taken = factor * m[k][j];
-                m[i][j] -= taken;
+        let head = m[k].clone();
+        for row in &mut m[k + 1..] {
+            let factor = row[k] / head[k];
+            for (entry, above) in row.iter_mut().zip(&head).skip(k) {
+                *entry -= factor * above;
             }
         }
     }
@@ -146,8 +146,9 @@ fn compare(random: &mut Random, linear: LinearHost, texts: &[String], what: &str
         Watched::from(quantity)
     }));
     let inputs = linear.inputs.len();
-    let system = System::new(&equations(linear), &devices, &watched, Phase::Free)
-        .unwrap_or_else(|error| panic!("{what}, {texts:?}: {error}"));
+    let system = System::new(&equations(linear), &devices, &watched, Phase::Free);
+    assert!(system.is_ok(), "{what}, {texts:?}: {system:?}");
+    let system = system.unwrap();
     assert_eq!(
         system.states().len(),
         assembly.predicted_modes(),
@@ -280,11 +281,14 @@ fn powers_close_in_random_linear_systems() {
     }
 }
 
-/// Touch-down of a gear from its host file: (layout, values in lbf, ft, s, [Fs_max, ss_max, |V_end|, t_end]).
+/// A layout, values in lbf, ft, s, and [Fs_max, ss_max, |V_end|, t_end].
+type Strut = (&'static str, &'static [(&'static str, f64)], [f64; 4]);
+
+/// Touch-down of a gear from its host file.
 ///
 /// The numbers are of an independent program (exact stepping and a general integrator) for the struts of Li, Jiang, Neild
 /// and Wang, Journal of Aircraft 54 (2017); the last row is their default strut of gas and oil.
-const STRUTS: [(&str, &[(&str, f64)], [f64; 4]); 6] = [
+const STRUTS: [Strut; 6] = [
     (
         "k1 | c1",
         &[("k1", 7128.0), ("c1", 797.0)],

@@ -3,5 +3,6 @@
 mod events;
 mod exponentials;
 mod oscillators;
+mod pulses;
 mod strut;
 mod touch_down;

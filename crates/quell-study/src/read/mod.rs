@@ -10,7 +10,7 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 use quell_document::{Document, Fault, Source, Table, Value};
 use quell_expression::{Function, Span, Unit, nearest};
-use quell_model::{HostFile, LinearHost};
+use quell_model::{HostFile, LinearHost, Waveform};
 
 use crate::amount::Amount;
 use crate::criteria::Modal;
@@ -38,7 +38,7 @@ impl Study {
     /// As [`Self::read`].
     pub fn parse(source: Source, folder: &Path) -> Result<Self, Fault> {
         let source = Arc::new(source);
-        let document = Document::parse(Arc::clone(&source))?;
+        let document = Arc::new(Document::parse(Arc::clone(&source))?);
         let root = document.root();
         check_version(&root)?;
         root.check(&keys::STUDY)?;
@@ -62,8 +62,9 @@ impl Study {
         let criteria = criteria(&root.require("criteria")?, &runs)?;
         let mut study = Self {
             title: root.require("title")?.as_str()?.to_owned(),
-            hash: hash(&source.text, &host)?,
+            hash: hash(&source.text, &host, &samples(&document, folder))?,
             source,
+            document: Arc::clone(&document),
             folder: folder.to_path_buf(),
             host,
             overrides,
@@ -156,8 +157,21 @@ fn named_tables<'a>(value: &Value<'a>, section: &str) -> Result<Table<'a>, Fault
         .map_err(|fault| fault.help(format!("write `[{section}.NAME]` for each")))
 }
 
-/// BLAKE3 of everything that determines the results: Quell's version, study, host, matrices.
-fn hash(text: &str, host: &HostFile) -> Result<String, Fault> {
+/// Files of samples that signals of runs name, wherever a run or a configuration gives them.
+fn samples(document: &Document, folder: &Path) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = document
+        .tables()
+        .iter()
+        .filter_map(|table| Waveform::file(table, folder))
+        .filter(|file| file.is_file())
+        .collect();
+    files.sort();
+    files.dedup();
+    files
+}
+
+/// BLAKE3 of everything that determines the results: Quell's version, study, host, matrices, samples.
+fn hash(text: &str, host: &HostFile, samples: &[PathBuf]) -> Result<String, Fault> {
     let mut hasher = blake3::Hasher::new();
     let mut add = |bytes: &[u8]| {
         hasher.update(&(bytes.len() as u64).to_le_bytes());
@@ -166,8 +180,8 @@ fn hash(text: &str, host: &HostFile) -> Result<String, Fault> {
     add(env!("CARGO_PKG_VERSION").as_bytes());
     add(text.as_bytes());
     add(host.source().text.as_bytes());
-    for path in host.matrix_files() {
-        let bytes = std::fs::read(&path).map_err(|error| {
+    for path in host.matrix_files().iter().chain(samples) {
+        let bytes = std::fs::read(path).map_err(|error| {
             Fault::new(format!(
                 "the file `{}` cannot be read: {error}",
                 path.display()
@@ -311,6 +325,7 @@ fn runs(
             }
             Run::Modes {
                 oscillatory: which == Some("oscillatory"),
+                span,
             }
         } else {
             let input = entry.get("input").ok_or_else(|| {

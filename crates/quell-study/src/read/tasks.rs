@@ -268,6 +268,12 @@ fn override_run(
             "only keys of runs of kind `transient` can differ between configurations, and `{name}` is none"
         )));
     };
+    let mut changed = base.clone();
+    if let Some(input) = key.strip_prefix("inputs.") {
+        transient::excite(&mut changed, input, span, value)?;
+        runs.insert(name.to_owned(), Run::Transient(changed));
+        return Ok(());
+    }
     if !transient::KEYS.contains(&key) {
         return Err(unknown(
             fault(format!("a `transient` run has no key `{key}`")),
@@ -276,7 +282,6 @@ fn override_run(
             transient::KEYS.iter().copied(),
         ));
     }
-    let mut changed = base.clone();
     transient::set(&mut changed, key, value, &study.source)?;
     runs.insert(name.to_owned(), Run::Transient(changed));
     Ok(())

@@ -2,16 +2,18 @@
 
 use std::sync::Arc;
 
+use indexmap::IndexMap;
 use quell_document::{Fault, Source, Table, Value};
 use quell_expression::{Expression, Node, Span};
 
 use crate::amount::Amount;
 use crate::keys;
-use crate::study::{EndEvent, Integration, PhaseSpec, Run, StartAt, TransientRun};
+use crate::study::{EndEvent, Excitation, Integration, PhaseSpec, Run, StartAt, TransientRun};
 
 /// The keys of a run in time, in which configurations may differ.
-pub(super) const KEYS: [&str; 7] = [
+pub(super) const KEYS: [&str; 8] = [
     "duration",
+    "inputs",
     "end",
     "continue",
     "start",
@@ -37,6 +39,7 @@ pub(super) fn run(
         duration: Amount::read(&duration, source)?,
         beyond: None,
         start: StartAt::Stated,
+        inputs: IndexMap::new(),
         phases: Vec::new(),
         tolerance: 1e-8,
         method: Integration::Automatic,
@@ -63,6 +66,14 @@ pub(super) fn set(
     match key {
         "duration" => run.duration = Amount::read(value, source)?,
         "continue" => run.beyond = Some(Amount::read(value, source)?),
+        "inputs" => {
+            let table = value.as_table().map_err(|fault| {
+                fault.help("write `inputs = { F = { pulse = { amplitude = \"5 N\", duration = \"1 ms\" } } }`")
+            })?;
+            for (name, span, value) in table.entries() {
+                excite(run, name, span, &value)?;
+            }
+        }
         "end" => run.end = Some(end(value)?),
         "start" => {
             run.start = match value.one_of(&["stated", "equilibrium"])? {
@@ -103,6 +114,27 @@ pub(super) fn set(
                 }
         }
     }
+    Ok(())
+}
+
+/// Gives an input another signal in a run in time.
+///
+/// # Errors
+/// The value is no table.
+pub(super) fn excite(
+    run: &mut TransientRun,
+    name: &str,
+    span: Span,
+    value: &Value<'_>,
+) -> Result<(), Fault> {
+    let table = value.as_table().map_err(|fault| {
+        fault.help("write a signal as in a host: `{ harmonic = { amplitude = \"2 mm\", frequency = \"3 Hz\" } }`")
+    })?;
+    let excitation = Excitation {
+        path: table.path().to_owned(),
+        span,
+    };
+    run.inputs.insert(name.to_owned(), excitation);
     Ok(())
 }
 

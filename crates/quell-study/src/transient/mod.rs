@@ -1,12 +1,16 @@
 //! Runs in time: the host with its devices let loose, until an event or a time, and what criteria read from that.
 
+mod excitation;
 mod history;
 mod ledger;
 mod observation;
 mod observe;
 mod plan;
 
+pub(crate) use excitation::excitations;
 pub(crate) use history::History;
 pub(crate) use observation::Observation;
 pub(crate) use observe::observe;
-pub(crate) use plan::{Simulated, TransientPlan, ValuePlaces, Watching};
+pub(crate) use plan::{
+    Simulated, Source, TransientPlan, ValuePlaces, Watching, parameters, sources,
+};

@@ -6,15 +6,17 @@ use quell_document::Fault;
 use quell_expression::{
     BinaryOperator, ComparisonOperator, Dimension, Expression, ExpressionError, Node, nearest,
 };
-use quell_model::EquationHost;
 use quell_model::system::{
-    Device, EquilibriumStatus, Owner, Phase, Prepared, Quantity, System, Vocabulary, Watched,
+    Device, EquilibriumStatus, Owner, Phase, Prepared, Quantity, System, SystemError, Vocabulary,
+    Watched,
 };
+use quell_model::{EquationHost, Waveform};
 use quell_network::Law;
 use quell_response::transient::{
     Condition, Direction, Dynamics, End, Event, Method, Record, Settings, Trajectory, simulate,
 };
 
+use super::excitation::excitations;
 use super::history::{History, histories};
 use super::ledger::LedgerSignals;
 use super::observation::Observation;
@@ -47,6 +49,16 @@ impl<'a> Watching<'a> {
     /// The devices.
     pub(crate) const fn devices(&self) -> &'a [Device] {
         self.devices
+    }
+
+    /// The system in which all that was gathered is watched.
+    ///
+    /// # Errors
+    /// Why host and devices are no system of equations.
+    pub(crate) fn system(&self) -> Result<System, SystemError> {
+        self.vocabulary
+            .borrow()
+            .system(&self.signals.borrow(), Phase::Free)
     }
 
     pub(crate) fn port_name(&self, port: usize) -> String {
@@ -217,7 +229,7 @@ impl<'a> Watching<'a> {
 
 /// Where the value of a parameter of a system comes from.
 #[derive(Debug, Clone, Copy)]
-enum Source {
+pub(crate) enum Source {
     /// It is the host's.
     Host(f64),
     /// The value of a linear element, among all mechanical ones.
@@ -245,6 +257,8 @@ pub(crate) struct TransientPlan {
     settings: Settings,
     start: StartAt,
     ledger: Option<LedgerSignals>,
+    /// Signals of inputs that are the run's own.
+    inputs: Vec<(usize, Waveform)>,
     labels: Vec<Option<(String, Dimension)>>,
 }
 
@@ -350,28 +364,23 @@ impl TransientPlan {
             settings.continuation = seconds(beyond)?;
         }
         Ok(Self {
-            sources: sources(&phases, watching.devices, places),
+            sources: phases.first().map_or_else(Vec::new, |phase| {
+                sources(&phase.system, watching.devices, places)
+            }),
             phases,
             duration: seconds(&run.duration)?,
             needs_event: run.end.is_some(),
             settings,
             start: run.start,
             ledger,
+            inputs: excitations(study, situation, run)?,
             labels: watching.labels.borrow().clone(),
         })
     }
 
     /// Lets it run with values of the elements and of the parameters of force laws.
     pub(crate) fn simulate(&self, mechanical: &[f64], laws: &[f64]) -> Simulated<'_> {
-        let parameters: Vec<f64> = self
-            .sources
-            .iter()
-            .map(|source| match source {
-                Source::Host(value) => *value,
-                Source::Element(place) => mechanical.get(*place).copied().unwrap_or(f64::NAN),
-                Source::Law(place) => laws.get(*place).copied().unwrap_or(f64::NAN),
-            })
-            .collect();
+        let parameters = parameters(&self.sources, mechanical, laws);
         let mut simulated = Simulated {
             plan: self,
             moving: Vec::new(),
@@ -382,6 +391,9 @@ impl TransientPlan {
         let mut carried: Option<Carried> = None;
         for (index, phase) in self.phases.iter().enumerate() {
             let mut moving = phase.system.prepare(&parameters);
+            for (input, waveform) in &self.inputs {
+                moving.set_waveform(*input, Some(waveform.clone()));
+            }
             let mut x = moving.start(t);
             if let Some(Carried { names, values }) = &carried {
                 for (state, target) in phase.system.states().iter().zip(&mut x) {
@@ -477,12 +489,13 @@ fn in_words(end: &End, t: f64) -> String {
     }
 }
 
-fn sources(phases: &[PhasePlan], devices: &[Device], places: &ValuePlaces<'_>) -> Vec<Source> {
-    let Some(first) = phases.first() else {
-        return Vec::new();
-    };
-    first
-        .system
+/// Where the parameters of a system come from.
+pub(crate) fn sources(
+    system: &System,
+    devices: &[Device],
+    places: &ValuePlaces<'_>,
+) -> Vec<Source> {
+    system
         .parameters()
         .iter()
         .map(|parameter| match parameter.owner {
@@ -502,6 +515,16 @@ fn sources(phases: &[PhasePlan], devices: &[Device], places: &ValuePlaces<'_>) -
             }
         })
         .collect()
+}
+
+/// Values of the parameters of a system.
+pub(crate) fn parameters(sources: &[Source], mechanical: &[f64], laws: &[f64]) -> Vec<f64> {
+    let value = |source: &Source| match source {
+        Source::Host(value) => *value,
+        Source::Element(place) => mechanical.get(*place).copied().unwrap_or(f64::NAN),
+        Source::Law(place) => laws.get(*place).copied().unwrap_or(f64::NAN),
+    };
+    sources.iter().map(value).collect()
 }
 
 /// A run that has run.
