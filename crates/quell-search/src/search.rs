@@ -79,16 +79,28 @@ pub fn start<P: Problem>(problem: &P, settings: &Settings, key: u64, index: usiz
         }
         if populates
             || !available
-            || evaluator.evaluations >= settings.effort
+            || evaluator.evaluations >= effort(&evaluator)
             || evaluator.remaining() == 0
         {
             break;
         }
     }
-    if ending == Ending::Unavailable && !evaluator.best.is_failed() {
+    // Differences see one side of a kink; a simplex goes on from where they stall.
+    let stalled = evaluator.differences() && ending == Ending::Stalled;
+    if (ending == Ending::Unavailable || stalled) && !evaluator.best.is_failed() {
         ending = without_gradients(&mut evaluator, random.next_u64(), !available);
     }
     finish(evaluator, ending, &mut minimax)
+}
+
+/// Evaluations after which a start with gradients ends.
+fn effort<P: Problem>(evaluator: &Evaluator<'_, P>) -> usize {
+    let each = if evaluator.differences() {
+        2 * evaluator.dimension() + 1
+    } else {
+        1
+    };
+    evaluator.settings.effort.saturating_mul(each)
 }
 
 /// A short CMA-ES from a point of the sample, and the best point that it met.

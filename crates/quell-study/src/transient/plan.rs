@@ -364,12 +364,7 @@ impl TransientPlan {
     /// Lets it run with values of the elements and of the parameters of force laws.
     ///
     /// It goes on `beyond` its end only where somebody looks there: a search seldom does.
-    pub(crate) fn simulate(
-        &self,
-        mechanical: &[f64],
-        laws: &[f64],
-        beyond: bool,
-    ) -> Simulated<'_> {
+    pub(crate) fn simulate(&self, mechanical: &[f64], laws: &[f64], beyond: bool) -> Simulated<'_> {
         let parameters: Vec<f64> = self
             .sources
             .iter()
