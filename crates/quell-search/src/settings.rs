@@ -34,6 +34,8 @@ pub struct Settings {
     /// Every so many-th start with gradients also goes through a short CMA-ES, which sees past small basins; `0` for
     /// none. Default 8.
     pub population_every: usize,
+    /// The same where gradients are differences, of functions that may jump. Default 2.
+    pub population_every_differenced: usize,
     /// Step, as a part of a variable's scaled range, of the differences that stand for gradients where the problem gives
     /// none; `0` for searches without gradients there. Default `1e-4`: integrations in time are accurate to some 1e-8.
     pub difference: f64,
@@ -57,6 +59,7 @@ impl Settings {
             descents: 4,
             effort: 40 * dimension,
             population_every: 8,
+            population_every_differenced: 2,
             difference: 1e-4,
             margin: 0.5,
         }
