@@ -53,7 +53,7 @@ const CASES: [Case; 5] = [
         name: "ride",
         study: "quarter-car",
         task: "comfort",
-        layout: "c1 | k1 + b1",
+        layout: "k1 + (b1 | c1)",
         best: RIDE,
     },
     // The peak force of a transient under three constraints, two of them active.
@@ -73,11 +73,11 @@ const CASES: [Case; 5] = [
         best: TWO_STAGES,
     },
 ];
-const ABSORBER: f64 = f64::NAN;
-const PASSAGEWAYS: f64 = f64::NAN;
-const RIDE: f64 = f64::NAN;
-const TOUCH_DOWN: f64 = f64::NAN;
-const TWO_STAGES: f64 = f64::NAN;
+const ABSORBER: f64 = 6.407_920_768;
+const PASSAGEWAYS: f64 = 1.659_845_608;
+const RIDE: f64 = 1.753_602_843;
+const TOUCH_DOWN: f64 = 21_808.167_01;
+const TWO_STAGES: f64 = -0.877_221_653_7;
 
 /// A value this close (relative) to the best known one is the optimum.
 const WITHIN: f64 = 1e-3;
@@ -92,13 +92,21 @@ impl Case {
         let study = Study::read(&path).unwrap();
         let problems = quell_study::problems(&study, self.task).unwrap();
         let labels: Vec<String> = problems.iter().map(|(label, _)| label.clone()).collect();
-        problems
+        let mut problem = problems
             .into_iter()
-            .find(|(label, _)| self.layout.is_empty() || label == self.layout)
+            .find(|(label, _)| label == self.layout)
             .map_or_else(
                 || panic!("{}: no {} in {labels:?}", self.name, self.layout),
                 |(_, problem)| problem,
-            )
+            );
+        // The objective without holes in its grid, as a run ends with it.
+        loop {
+            let settings = Settings::for_dimension(problem.variables().len());
+            let found = quell_search::search(&problem, &settings, 1);
+            if !problem.refine(&found.point).unwrap() {
+                return problem;
+            }
+        }
     }
 
     fn target(&self) -> f64 {
