@@ -60,6 +60,8 @@ pub(crate) struct Evaluator<'a, P: Problem> {
     pub(crate) best_coordinates: Vec<f64>,
     best_point: Vec<f64>,
     best_constraints: Vec<f64>,
+    /// Whether the problem gives no pieces, so that differences stand for them.
+    differences: bool,
 }
 
 impl<'a, P: Problem> Evaluator<'a, P> {
@@ -82,6 +84,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
                 .map(|variable| variable.value(0.5))
                 .collect(),
             best_constraints: vec![f64::INFINITY; constraints],
+            differences: false,
         }
     }
 
@@ -91,6 +94,11 @@ impl<'a, P: Problem> Evaluator<'a, P> {
 
     pub(crate) fn has_constraints(&self) -> bool {
         !self.constraints.is_empty()
+    }
+
+    /// Whether gradients are differences.
+    pub(crate) fn differences(&self) -> bool {
+        self.differences
     }
 
     pub(crate) fn remaining(&self) -> usize {
@@ -118,14 +126,25 @@ impl<'a, P: Problem> Evaluator<'a, P> {
         }
     }
 
-    /// Objective and violation at scaled coordinates.
-    pub(crate) fn evaluate(&mut self, coordinates: &[f64]) -> Value {
+    /// The objective at scaled coordinates, with the constraints beside; the best point is kept.
+    fn raw_values(&mut self, coordinates: &[f64]) -> f64 {
         self.place(coordinates);
         self.constraints.fill(0.0);
         self.evaluations += 1;
         let objective =
             self.problem
                 .evaluate(&self.point, &mut self.constraints, &mut self.scratch);
+        self.keep(coordinates, objective);
+        objective
+    }
+
+    /// Objective and violation at scaled coordinates.
+    pub(crate) fn evaluate(&mut self, coordinates: &[f64]) -> Value {
+        let objective = self.raw_values(coordinates);
+        self.value(objective)
+    }
+
+    fn value(&self, objective: f64) -> Value {
         if !objective.is_finite() || !self.constraints.iter().all(|c| c.is_finite()) {
             return Value::FAILED;
         }
@@ -133,10 +152,17 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             .constraints
             .iter()
             .fold(0.0_f64, |worst, &c| worst.max(c));
-        let value = Value {
+        Value {
             objective,
             violation,
-        };
+        }
+    }
+
+    fn keep(&mut self, coordinates: &[f64], objective: f64) {
+        let value = self.value(objective);
+        if value.is_failed() {
+            return;
+        }
         if self.best.is_failed() || self.prefers(value, self.best) {
             self.best = value;
             self.best_coordinates.clear();
@@ -144,11 +170,23 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             self.best_point.clone_from(&self.point);
             self.best_constraints.clone_from(&self.constraints);
         }
-        value
     }
 
     /// Near-active pieces with gradients by the scaled coordinates; false when there are none here.
+    ///
+    /// Where the problem gives none, objective and constraints are one piece each, with central differences.
     pub(crate) fn pieces(&mut self, coordinates: &[f64], pieces: &mut Pieces) -> bool {
+        if !self.differences {
+            match self.given_pieces(coordinates, pieces) {
+                Some(usable) => return usable,
+                None => self.differences = self.settings.difference > 0.0,
+            }
+        }
+        self.differences && self.differenced(coordinates, pieces)
+    }
+
+    /// The problem's own pieces; `None` where it gives none, false where they are of no use.
+    fn given_pieces(&mut self, coordinates: &[f64], pieces: &mut Pieces) -> Option<bool> {
         self.place(coordinates);
         self.evaluations += 1;
         self.raw.clear();
@@ -159,8 +197,11 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             &mut self.raw,
             &mut self.scratch,
         );
-        if !available || self.raw.objectives() == 0 || !self.raw.is_finite() {
-            return false;
+        if !available {
+            return None;
+        }
+        if self.raw.objectives() == 0 || !self.raw.is_finite() {
+            return Some(false);
         }
         let variables = self.problem.variables();
         let scale = |target: &mut [f64], source: &[f64], point: &[f64]| {
@@ -176,7 +217,61 @@ impl<'a, P: Problem> Evaluator<'a, P> {
         for (index, value, gradient) in self.raw.iter_constraints() {
             scale(pieces.push_constraint(index, value), gradient, &self.point);
         }
-        true
+        Some(true)
+    }
+
+    /// Objective and constraints with differences over [`Settings::difference`]: central, one-sided at a bound and where a
+    /// neighbour cannot be evaluated.
+    fn differenced(&mut self, coordinates: &[f64], pieces: &mut Pieces) -> bool {
+        let dimension = coordinates.len();
+        let count = 1 + self.constraints.len();
+        let middle = self.values(coordinates);
+        if !middle.iter().all(|value| value.is_finite()) {
+            return false;
+        }
+        let mut slopes = vec![0.0; count * dimension];
+        let mut moved = coordinates.to_vec();
+        let step = self.settings.difference;
+        for (i, &at) in coordinates.iter().enumerate() {
+            let mut ends = [(at, None), (at, None)];
+            for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+                let to = at + sign * step;
+                if (0.0..=1.0).contains(&to) {
+                    moved[i] = to;
+                    let values = self.values(&moved);
+                    if values.iter().all(|value| value.is_finite()) {
+                        *end = (to, Some(values));
+                    }
+                }
+            }
+            moved[i] = at;
+            let [(upper, above), (lower, below)] = ends;
+            if upper <= lower {
+                return false;
+            }
+            let (above, below) = (above.as_ref(), below.as_ref());
+            for j in 0..count {
+                let of = |values: Option<&Vec<f64>>| values.unwrap_or(&middle)[j];
+                slopes[j * dimension + i] = (of(above) - of(below)) / (upper - lower);
+            }
+        }
+        pieces.clear();
+        for (j, (slope, &value)) in slopes.chunks_exact(dimension).zip(&middle).enumerate() {
+            match j.checked_sub(1) {
+                None => pieces.push_objective(value).copy_from_slice(slope),
+                Some(index) => pieces.push_constraint(index, value).copy_from_slice(slope),
+            }
+        }
+        pieces.is_finite()
+    }
+
+    /// Objective and constraints, not-a-number or infinite where the evaluation failed.
+    fn values(&mut self, coordinates: &[f64]) -> Vec<f64> {
+        let objective = self.raw_values(coordinates);
+        let mut values = Vec::with_capacity(1 + self.constraints.len());
+        values.push(objective);
+        values.extend_from_slice(&self.constraints);
+        values
     }
 
     /// Best point in the variables' own units, and the constraints there.

@@ -13,6 +13,9 @@ use crate::{Outcome, Problem, Settings, StartResult, StartStatus, Status};
 /// leaves a decrease of some 1e-6 of the objective.
 const CERTIFIED: f64 = 1e-3;
 
+/// Evaluations for each variable that a simplex may take after a descent along differences has stalled.
+const POLISH: usize = 100;
+
 /// One independent start: a unit of work whose random stream depends only on the seed, `key` and `index`.
 ///
 /// `key` identifies the problem among those of one study (a hash of a layout, say), so that problems draw different
@@ -20,8 +23,9 @@ const CERTIFIED: f64 = 1e-3;
 ///
 /// A start samples the box with a scrambled Sobol sequence. Where the problem gives pieces, the best
 /// [`Settings::descents`] points of the sample each go down by minimax sequential quadratic programming, sample after
-/// sample until [`Settings::effort`] is spent. Otherwise bounded CMA-ES sets out from the best point, and Nelder-Mead
-/// finishes. Constraints follow feasibility rules (feasible beats infeasible, then the lower objective or the lower
+/// sample until [`Settings::effort`] is spent; where it gives none, differences over [`Settings::difference`] stand for the
+/// gradients, and Nelder-Mead goes on where these stall (at a jump, a kink). With neither, bounded CMA-ES sets out from the
+/// best point, and Nelder-Mead finishes. Constraints follow feasibility rules (feasible beats infeasible, then the lower objective or the lower
 /// violation) in what is kept, and an exact penalty in what steps are taken.
 pub fn start<P: Problem>(problem: &P, settings: &Settings, key: u64, index: usize) -> StartResult {
     let mut evaluator = Evaluator::new(problem, settings);
@@ -33,8 +37,7 @@ pub fn start<P: Problem>(problem: &P, settings: &Settings, key: u64, index: usiz
     let mut random = stream(settings.seed, key, index);
     let scramble = random.next_u32();
     let mut minimax = Minimax::new(dimension);
-    let populates = settings.population_every > 0
-        && index % settings.population_every == settings.population_every - 1;
+    let mut populates = is_nth(index, settings.population_every);
     // How the descent that found the best point ended, and whether any had pieces at all.
     let mut ending = Ending::Unavailable;
     let mut available = false;
@@ -65,6 +68,9 @@ pub fn start<P: Problem>(problem: &P, settings: &Settings, key: u64, index: usiz
                 ending = this;
             }
             available |= this != Ending::Unavailable;
+            if evaluator.differences() {
+                populates = is_nth(index, settings.population_every_differenced);
+            }
         }
         if populates
             && available
@@ -79,16 +85,38 @@ pub fn start<P: Problem>(problem: &P, settings: &Settings, key: u64, index: usiz
         }
         if populates
             || !available
-            || evaluator.evaluations >= settings.effort
+            || evaluator.evaluations >= effort(&evaluator)
             || evaluator.remaining() == 0
         {
             break;
         }
     }
-    if ending == Ending::Unavailable && !evaluator.best.is_failed() {
-        ending = without_gradients(&mut evaluator, random.next_u64(), !available);
+    // Differences see one side of a kink; a simplex goes on from where they stall.
+    let stalled = evaluator.differences() && ending == Ending::Stalled;
+    if (ending == Ending::Unavailable || stalled) && !evaluator.best.is_failed() {
+        let most = if available {
+            POLISH * dimension
+        } else {
+            usize::MAX
+        };
+        ending = without_gradients(&mut evaluator, random.next_u64(), !available, most);
     }
     finish(evaluator, ending, &mut minimax)
+}
+
+/// Evaluations after which a start with gradients ends.
+fn effort<P: Problem>(evaluator: &Evaluator<'_, P>) -> usize {
+    let each = if evaluator.differences() {
+        2 * evaluator.dimension() + 1
+    } else {
+        1
+    };
+    evaluator.settings.effort.saturating_mul(each)
+}
+
+/// Whether it is the turn of start `index` when every so many-th has one.
+fn is_nth(index: usize, every: usize) -> bool {
+    every > 0 && index % every == every - 1
 }
 
 /// A short CMA-ES from a point of the sample, and the best point that it met.
@@ -103,7 +131,9 @@ fn population_step<P: Problem>(
     } else {
         0.0
     };
-    let end = evaluator.evaluations + (60 * dimension).min(evaluator.remaining());
+    // Without gradients there may be jumps, across which only a population finds its way.
+    let each = if evaluator.differences() { 200 } else { 60 };
+    let end = evaluator.evaluations + (each * dimension).min(evaluator.remaining());
     let (mut least, mut found) = (f64::INFINITY, centre.to_vec());
     covariance_adaptation(seed, centre, 0.3, population(dimension), 1e-2, &mut |u| {
         (evaluator.evaluations < end).then(|| {
@@ -128,8 +158,10 @@ fn without_gradients<P: Problem>(
     evaluator: &mut Evaluator<'_, P>,
     seed: u64,
     global: bool,
+    most: usize,
 ) -> Ending {
     let dimension = evaluator.dimension();
+    let end = evaluator.evaluations.saturating_add(most);
     let mut weight = if evaluator.has_constraints() {
         10.0 * evaluator.best.objective.abs().max(1e-300)
     } else {
@@ -166,10 +198,11 @@ fn without_gradients<P: Problem>(
     let mut size = if global { 1e-2 } else { 2e-2 };
     let mut previous = evaluator.best;
     let mut quiet = 0;
-    while evaluator.remaining() > dimension + 1 {
+    while evaluator.remaining() > dimension + 1 && evaluator.evaluations < end {
         let centre = evaluator.best_coordinates.clone();
         simplex(&centre, size, 1e-9, &mut |u| {
-            (evaluator.remaining() > 0).then(|| evaluator.evaluate(u).penalised(weight))
+            (evaluator.remaining() > 0 && evaluator.evaluations < end)
+                .then(|| evaluator.evaluate(u).penalised(weight))
         });
         let gain = previous.objective - evaluator.best.objective;
         let measure = evaluator
@@ -330,7 +363,7 @@ pub fn polish<P: Problem>(problem: &P, settings: &Settings, from: &[f64]) -> Sta
     let mut minimax = Minimax::new(coordinates.len());
     let (mut ending, value) = minimax.descend(&mut evaluator, &mut coordinates, Some(0.02));
     if ending == Ending::Unavailable && !value.is_failed() {
-        ending = without_gradients(&mut evaluator, 0, false);
+        ending = without_gradients(&mut evaluator, 0, false, usize::MAX);
     }
     finish(evaluator, ending, &mut minimax)
 }

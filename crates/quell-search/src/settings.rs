@@ -28,12 +28,17 @@ pub struct Settings {
     pub sample: usize,
     /// Local searches after each sample where gradients are available, from its best points. Default 4.
     pub descents: usize,
-    /// A start with gradients repeats sample and local searches until it has taken this many evaluations.
-    /// Default `40 n`.
+    /// A start with gradients repeats sample and local searches until it has taken this many evaluations; a start whose
+    /// gradients are differences, until it has taken `2 n + 1` times as many. Default `40 n`.
     pub effort: usize,
     /// Every so many-th start with gradients also goes through a short CMA-ES, which sees past small basins; `0` for
     /// none. Default 8.
     pub population_every: usize,
+    /// The same where gradients are differences, of functions that may jump. Default 2.
+    pub population_every_differenced: usize,
+    /// Step, as a part of a variable's scaled range, of the differences that stand for gradients where the problem gives
+    /// none; `0` for searches without gradients there. Default `1e-4`: integrations in time are accurate to some 1e-8.
+    pub difference: f64,
     /// Pieces of the objective within this relative margin of the maximum are asked for. Default `0.5`.
     pub margin: f64,
 }
@@ -54,6 +59,8 @@ impl Settings {
             descents: 4,
             effort: 40 * dimension,
             population_every: 8,
+            population_every_differenced: 2,
+            difference: 1e-4,
             margin: 0.5,
         }
     }
@@ -105,6 +112,12 @@ impl Settings {
                 "at least 1",
             ),
             ("sample", self.sample as f64, self.sample >= 1, "at least 1"),
+            (
+                "difference",
+                self.difference,
+                self.difference >= 0.0 && self.difference < 0.5,
+                "between zero and one half",
+            ),
             (
                 "margin",
                 self.margin,

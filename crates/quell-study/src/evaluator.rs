@@ -19,7 +19,7 @@ use crate::study::{Criterion, Run, Study};
 use crate::transient::{
     self, History, Observation, Simulated, TransientPlan, ValuePlaces, Watching,
 };
-use reading::{Known, Reading, in_time};
+use reading::{Known, Reading};
 
 pub(crate) use run::prepare;
 
@@ -351,34 +351,42 @@ impl Evaluator {
     /// Fast values of all criteria at element values that stand in `scratch.values`, into `out`; NaN where there is none.
     pub(crate) fn fast(&self, scratch: &mut EvaluatorScratch, out: &mut [f64]) {
         scratch.readings.clear();
-        let mut simulated = self.simulate(&scratch.values);
+        scratch.readings.resize(self.readings.len(), f64::NAN);
+        for (name, mut simulated) in self.simulate(&scratch.values, false) {
+            let (places, observations) = self.observations(name);
+            for (place, (value, _)) in places.into_iter().zip(simulated.read(&observations)) {
+                if let Some(entry) = scratch.readings.get_mut(place) {
+                    *entry = value;
+                }
+            }
+        }
         let points = self.operating_points(&scratch.values);
-        for reading in &self.readings {
-            let value = match &reading.functional {
-                Functional::Time(observation) => simulated
-                    .iter_mut()
-                    .find(|(name, _)| *name == reading.run)
-                    .map_or(f64::NAN, |(_, simulated)| simulated.read(observation).0),
-                _ => match self.linear(&reading.run, &scratch.values, &points) {
-                    Ok(linear) => reading.fast(&linear, &mut scratch.response),
-                    Err(_) => f64::NAN,
-                },
-            };
-            scratch.readings.push(value);
+        for (reading, entry) in self.readings.iter().zip(&mut scratch.readings) {
+            if matches!(reading.functional, Functional::Time(_)) {
+                continue;
+            }
+            if let Ok(linear) = self.linear(&reading.run, &scratch.values, &points) {
+                *entry = reading.fast(&linear, &mut scratch.response);
+            }
         }
         for (program, out) in self.programs.iter().zip(out) {
             *out = program.value(&scratch.readings, &mut scratch.inputs, &mut scratch.work);
         }
     }
 
-    /// Lets the runs in time run.
-    fn simulate(&self, values: &ValueScratch) -> Vec<(&str, Simulated<'_>)> {
+    /// Lets the runs in time run: beyond their ends where a criterion looks there, or where `beyond` asks for it.
+    fn simulate(&self, values: &ValueScratch, beyond: bool) -> Vec<(&str, Simulated<'_>)> {
         self.transients
             .iter()
             .map(|(name, plan)| {
+                let (_, observations) = self.observations(name);
+                let beyond = beyond
+                    || observations
+                        .iter()
+                        .any(|observation| observation.looks_beyond());
                 (
                     name.as_str(),
-                    plan.simulate(&values.mechanical, &values.laws),
+                    plan.simulate(&values.mechanical, &values.laws, beyond),
                 )
             })
             .collect()
@@ -412,9 +420,22 @@ impl Evaluator {
         }
     }
 
+    /// What is read of a run in time, with the places among all readings.
+    fn observations(&self, run: &str) -> (Vec<usize>, Vec<&Observation>) {
+        self.readings
+            .iter()
+            .enumerate()
+            .filter(|(_, reading)| reading.run == run)
+            .filter_map(|(place, reading)| match &reading.functional {
+                Functional::Time(observation) => Some((place, observation)),
+                _ => None,
+            })
+            .unzip()
+    }
+
     /// Energy ledgers by run in time, at element values that stand in `values`.
     pub(crate) fn ledgers(&self, values: &ValueScratch) -> IndexMap<String, Ledger> {
-        self.simulate(values)
+        self.simulate(values, false)
             .into_iter()
             .filter_map(|(name, mut simulated)| Some((name.to_owned(), simulated.ledger()?)))
             .collect()
@@ -423,7 +444,7 @@ impl Evaluator {
     /// What happened in the runs in time, as far as criteria look at it: of one criterion, or of all.
     pub(crate) fn histories(&self, values: &ValueScratch, only: Option<&str>) -> Vec<History> {
         let mut histories = Vec::new();
-        for (name, mut simulated) in self.simulate(values) {
+        for (name, mut simulated) in self.simulate(values, true) {
             let chosen = self
                 .programs
                 .iter()
@@ -508,21 +529,25 @@ impl Evaluator {
         let mut missed = Missed::new();
         let mut numbers = Vec::new();
         let mut knowledge: Vec<Known> = Vec::new();
-        let mut simulated = self.simulate(&scratch.values);
-        let points = self.operating_points(&scratch.values);
-        for (index, reading) in self.readings.iter().enumerate() {
-            let (value, known) = match &reading.functional {
-                Functional::Time(observation) => {
-                    match simulated.iter_mut().find(|(name, _)| *name == reading.run) {
-                        Some((_, simulated)) => in_time(simulated, observation),
-                        None => Known::failed("there is no such run".to_owned()),
-                    }
+        let mut in_time: Vec<Option<(f64, Known)>> = Vec::new();
+        in_time.resize_with(self.readings.len(), || None);
+        for (name, mut simulated) in self.simulate(&scratch.values, true) {
+            let (places, observations) = self.observations(name);
+            let read = simulated.read(&observations);
+            for ((place, observation), read) in places.into_iter().zip(observations).zip(read) {
+                if let Some(entry) = in_time.get_mut(place) {
+                    *entry = Some(reading::in_time(&simulated, observation, read));
                 }
-                _ => match self.linear(&reading.run, &scratch.values, &points) {
+            }
+        }
+        let points = self.operating_points(&scratch.values);
+        for (index, (reading, in_time)) in self.readings.iter().zip(in_time).enumerate() {
+            let (value, known) = in_time.unwrap_or_else(|| {
+                match self.linear(&reading.run, &scratch.values, &points) {
                     Ok(linear) => reading.certified(&linear),
                     Err(why) => Known::failed(why),
-                },
-            };
+                }
+            });
             if let (Some(plan), Some(omega)) = (&reading.plan, known.omega) {
                 let fast = plan.peak(&values, &mut scratch.response).value;
                 if value > fast * (1.0 + reading.tolerance) || fast.is_nan() {

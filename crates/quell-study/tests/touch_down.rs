@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use quell_study::{Evaluated, Findings, RunSettings, Silent, Study, run};
+use quell_study::{Design, Evaluated, Findings, RunSettings, Silent, Study, run};
 
 fn configurations(task: &str) -> Vec<Evaluated> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies/touch-down.toml");
@@ -190,4 +190,96 @@ fn closes(configuration: &Evaluated) {
         "{}: {port:?}",
         configuration.name
     );
+}
+
+/// The best design of a task.
+fn best(task: &str) -> Design {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies/touch-down.toml");
+    let study = Study::read(&path).unwrap_or_else(|fault| panic!("{fault:?}"));
+    let settings = RunSettings {
+        tasks: vec![task.to_owned()],
+        ..RunSettings::default()
+    };
+    let mut outcome = run(&study, &settings, &Silent).unwrap_or_else(|error| panic!("{error:?}"));
+    match outcome.tasks.remove(0).points.remove(0).findings {
+        Findings::Design(mut found) => found.designs.remove(0),
+        Findings::Evaluate(_) => panic!("`{task}` designs"),
+    }
+}
+
+/// Improvement over the source's default strut in the criterion that the task is named after, percent.
+fn improvement(task: &str, design: &Design) -> f64 {
+    let criteria = &design.configuration.criteria;
+    100.0
+        * if task.contains("eta") {
+            criteria["eta"] / 0.815 - 1.0
+        } else if task.contains(" F") {
+            1.0 - criteria["F_max"] / LBF / 6380.3
+        } else {
+            1.0 - criteria["ss_max"] / FT / 0.5291
+        }
+}
+
+#[test]
+fn optima_of_one_and_two_values() {
+    // Optima by differential evolution and simplices from many starts, with the tolerance of each (points).
+    for (task, expected, tolerance) in [
+        ("P1 L1 ss", -7.3, 0.05),
+        ("P1 L2 ss", -3.8, 0.05),
+        ("P2 L1 eta", 3.964, 0.1),
+        ("P2 L1 F", 12.605, 0.1),
+        ("P2 L1 ss", 19.13, 0.15),
+    ] {
+        let design = best(task);
+        let found = improvement(task, &design);
+        assert!(design.feasible, "{task}");
+        assert!(
+            (found - expected).abs() <= tolerance,
+            "{task}: {found} for {expected}"
+        );
+        assert!(
+            design.starts_agreeing >= 3,
+            "{task}: {}",
+            design.starts_agreeing
+        );
+    }
+}
+
+#[test]
+fn optima_of_three_values() {
+    for (task, least) in [
+        ("P2 L2 F", 23.06),
+        ("P1 L4 F guarded", 23.57),
+        ("P3 L4 F", 9.01),
+    ] {
+        let design = best(task);
+        let found = improvement(task, &design);
+        assert!(design.feasible, "{task}");
+        assert!(found >= least, "{task}: {found} for {least}");
+        assert!(
+            design.starts_agreeing >= 2,
+            "{task}: {}",
+            design.starts_agreeing
+        );
+    }
+}
+
+#[test]
+fn what_cannot_be_met_is_said_to_be_infeasible() {
+    // By this part of its bound the best values miss the worst constraint; over both that fail the sum is 7.3 %.
+    for task in ["P1 L1 eta", "P1 L1 F", "P3 L1 eta", "P3 L4 without b eta"] {
+        let design = best(task);
+        assert!(!design.feasible, "{task}");
+        assert!(
+            (0.05..0.06).contains(&design.violation),
+            "{task}: {}",
+            design.violation
+        );
+        assert_eq!(design.starts_agreeing, 0, "{task}");
+        assert!(
+            design.status.starts_with("infeasible"),
+            "{task}: {}",
+            design.status
+        );
+    }
 }

@@ -122,9 +122,12 @@ impl<'a> Record<'a> {
         };
         let (begin, end) = (first.trajectory.from(), last.trajectory.to());
         let latest = last.trajectory.last();
+        let window = self.window();
         self.from = from.unwrap_or(begin).clamp(begin, latest);
         self.to = to.unwrap_or(end).clamp(self.from, latest);
-        self.panels.clear();
+        if self.window() != window {
+            self.panels.clear();
+        }
         self
     }
 

@@ -154,8 +154,11 @@ fn remarked(status: &str, remark: Option<String>) -> String {
 }
 
 /// A number of a run in time with what is known about it.
-pub(super) fn in_time(simulated: &mut Simulated<'_>, observation: &Observation) -> (f64, Known) {
-    let (value, time) = simulated.read(observation);
+pub(super) fn in_time(
+    simulated: &Simulated<'_>,
+    observation: &Observation,
+    (value, time): (f64, Option<f64>),
+) -> (f64, Known) {
     let status = if let Some(failure) = &simulated.failure {
         failure.clone()
     } else if value.is_nan() {

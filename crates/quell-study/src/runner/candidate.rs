@@ -9,7 +9,7 @@ use quell_search::{Outcome, Problem, Settings, Side, search};
 use super::Runner;
 use crate::candidates::Candidate;
 use crate::configuration::evaluated;
-use crate::evaluator::{Evaluator, EvaluatorScratch};
+use crate::evaluator::Evaluator;
 use crate::outcome::Evaluated;
 use crate::problem::{DesignProblem, Verdict};
 use crate::situation::Situation;
@@ -62,17 +62,11 @@ impl Runner<'_> {
             if outcome.point.len() != dimension {
                 break (outcome, true);
             }
-            let mut scratch = EvaluatorScratch::default();
-            problem
-                .evaluator
-                .built()
-                .values(&outcome.point, &mut scratch.values);
-            let (_, missed) = problem.evaluator.certified(&mut scratch);
             rounds += 1;
-            if missed.is_empty() || rounds == ROUNDS || dimension == 0 {
-                break (outcome, !missed.is_empty());
+            let missed = problem.refine(&outcome.point)?;
+            if !missed || rounds == ROUNDS || dimension == 0 {
+                break (outcome, missed);
             }
-            problem.evaluator.add_frequencies(&missed)?;
         };
         self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
         let all = Evaluator::new(

@@ -139,6 +139,14 @@ impl Observation {
         }
     }
 
+    /// Whether it looks at what comes after the end event.
+    pub(crate) const fn looks_beyond(&self) -> bool {
+        matches!(
+            self,
+            Self::Maximum(_, Window::Beyond) | Self::Minimum(_, Window::Beyond)
+        )
+    }
+
     /// Why there is no number, in words.
     pub(crate) fn absent(&self) -> &'static str {
         match self {

@@ -379,7 +379,9 @@ impl TransientPlan {
     }
 
     /// Lets it run with values of the elements and of the parameters of force laws.
-    pub(crate) fn simulate(&self, mechanical: &[f64], laws: &[f64]) -> Simulated<'_> {
+    ///
+    /// It goes on `beyond` its end only where somebody looks there: a search seldom does.
+    pub(crate) fn simulate(&self, mechanical: &[f64], laws: &[f64], beyond: bool) -> Simulated<'_> {
         let parameters = parameters(&self.sources, mechanical, laws);
         let mut simulated = Simulated {
             plan: self,
@@ -422,7 +424,7 @@ impl TransientPlan {
             }
             let mut settings = self.settings.clone();
             let is_last = index + 1 == self.phases.len();
-            if !is_last {
+            if !is_last || !beyond {
                 settings.continuation = 0.0;
             }
             let span = (t, t + self.duration);
@@ -560,19 +562,28 @@ impl Simulated<'_> {
         Some(record)
     }
 
-    /// A number of it, with the time at which it is taken; not-a-number where the run failed.
-    pub(crate) fn read(&mut self, observation: &Observation) -> (f64, Option<f64>) {
+    /// Numbers of it, each with the time at which it is taken; not-a-number where the run failed.
+    ///
+    /// All of them are read from one record, so that the signals are evaluated along the run once.
+    pub(crate) fn read(&mut self, observations: &[&Observation]) -> Vec<(f64, Option<f64>)> {
+        const NOTHING: (f64, Option<f64>) = (f64::NAN, None);
         if self.failure.is_some() {
-            return (f64::NAN, None);
+            return vec![NOTHING; observations.len()];
         }
-        if *observation == Observation::EnergyError {
-            return (self.ledger().map_or(f64::NAN, |ledger| ledger.error), None);
-        }
+        let error = observations
+            .contains(&&Observation::EnergyError)
+            .then(|| self.ledger().map_or(f64::NAN, |ledger| ledger.error));
         let times = self.times();
-        match self.record() {
-            Some(mut record) => observation.read(&mut record, times),
-            None => (f64::NAN, None),
-        }
+        let Some(mut record) = self.record() else {
+            return vec![NOTHING; observations.len()];
+        };
+        observations
+            .iter()
+            .map(|observation| match error {
+                Some(error) if **observation == Observation::EnergyError => (error, None),
+                _ => observation.read(&mut record, times),
+            })
+            .collect()
     }
 
     /// What is drawn of it.

@@ -1,5 +1,8 @@
 //! Integrals over the window.
 
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
 use super::super::chebyshev::nodes;
 use super::{Integral, Panel, Record};
 
@@ -64,39 +67,125 @@ impl Record<'_> {
         (integral, sum(&f64::abs))
     }
 
+    /// The panel with the largest error is halved until the errors add up to less than is allowed.
+    ///
+    /// Where the error estimate is the rounding of the signal itself (a stiff damper's force is a small difference of large
+    /// numbers), halving leaves it as large as it was; such a panel is taken as it is, and its error is in the result.
     pub(super) fn integrate(&mut self, integrand: Integrand) -> Integral {
         self.prepare();
-        let mut estimates: Vec<(Integral, f64)> = Vec::with_capacity(self.panels.len());
+        let mut pieces: Vec<Piece> = Vec::with_capacity(self.panels.len());
+        let mut total = 0.0;
         for panel in &self.panels {
-            estimates.push(self.estimate(panel, integrand));
+            let (estimate, size) = self.estimate(panel, integrand);
+            total += size;
+            pieces.push(Piece::of(panel, estimate));
         }
-        let total: f64 = estimates.iter().map(|estimate| estimate.1).sum();
-        let allowed = QUADRATURE * total / self.panels.len() as f64;
-        let mut result = Integral::default();
-        for (index, &(estimate, _)) in estimates.iter().enumerate() {
-            if estimate.error <= allowed || !estimate.error.is_finite() {
-                result.value += estimate.value;
-                result.error += estimate.error;
-                continue;
-            }
-            let panel = &self.panels[index];
-            let (part, segment) = (panel.part, panel.segment);
-            let mut stack = vec![(panel.from, panel.to, 0)];
-            while let Some((from, to, depth)) = stack.pop() {
-                let middle = 0.5 * (from + to);
-                for (a, b) in [(from, middle), (middle, to)] {
-                    let half = self.panel(part, segment, (a, b), HALVED);
-                    let (estimate, _) = self.estimate(&half, integrand);
-                    let share = allowed * (0.5_f64).powi(depth + 1);
-                    if estimate.error <= share.max(f64::EPSILON * total) || depth >= 40 {
-                        result.value += estimate.value;
-                        result.error += estimate.error;
+        let allowed = QUADRATURE * total;
+        let mut missing: f64 = pieces.iter().map(|piece| piece.estimate.error).sum();
+        if missing > allowed && missing.is_finite() {
+            let mut heap: BinaryHeap<Worst> = pieces
+                .iter()
+                .enumerate()
+                .map(|(index, piece)| Worst(piece.estimate.error, index))
+                .collect();
+            let most = pieces.len() + HALVINGS;
+            while missing > allowed && pieces.len() < most {
+                let Some(Worst(error, index)) = heap.pop() else {
+                    break;
+                };
+                let Some(parent) = pieces.get(index).copied() else {
+                    break;
+                };
+                let middle = 0.5 * (parent.from + parent.to);
+                let halves = [(parent.from, middle), (middle, parent.to)].map(|span| {
+                    let panel = self.panel(parent.part, parent.segment, span, HALVED);
+                    let (estimate, _) = self.estimate(&panel, integrand);
+                    Piece {
+                        futile: parent.futile,
+                        ..Piece::of(&panel, estimate)
+                    }
+                });
+                let after = halves[0].estimate.error + halves[1].estimate.error;
+                let futile = if after > FUTILE * error {
+                    parent.futile + 1
+                } else {
+                    0
+                };
+                missing += after - error;
+                for (half, place) in halves.into_iter().zip([index, pieces.len()]) {
+                    let half = Piece { futile, ..half };
+                    if futile < 2 {
+                        heap.push(Worst(half.estimate.error, place));
+                    }
+                    if place < pieces.len() {
+                        pieces[place] = half;
                     } else {
-                        stack.push((a, b, depth + 1));
+                        pieces.push(half);
                     }
                 }
             }
         }
+        let mut result = Integral::default();
+        for piece in &pieces {
+            result.value += piece.estimate.value;
+            result.error += piece.estimate.error;
+        }
         result
     }
 }
+
+/// Halvings that one integral may cost.
+const HALVINGS: usize = 2000;
+/// Share of an error that must go when a panel is halved: a kink leaves a quarter, a jump a half, rounding all of it.
+const FUTILE: f64 = 0.7;
+
+/// A panel in the course of halving.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    part: usize,
+    segment: usize,
+    from: f64,
+    to: f64,
+    estimate: Integral,
+    /// How often halving in a row has gained nothing.
+    futile: u32,
+}
+
+impl Piece {
+    fn of(panel: &Panel, estimate: Integral) -> Self {
+        Self {
+            part: panel.part,
+            segment: panel.segment,
+            from: panel.from,
+            to: panel.to,
+            estimate,
+            futile: 0,
+        }
+    }
+}
+
+/// A piece in order of its error; the earlier one of two that are equal.
+#[derive(Debug, Clone, Copy)]
+struct Worst(f64, usize);
+
+impl Ord for Worst {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0
+            .total_cmp(&other.0)
+            .then_with(|| other.1.cmp(&self.1))
+    }
+}
+
+impl PartialOrd for Worst {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Worst {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Worst {}
