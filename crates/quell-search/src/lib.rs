@@ -43,6 +43,7 @@
 mod derivative_free;
 mod error;
 mod evaluation;
+mod exact;
 mod minimax;
 mod outcome;
 mod problem;

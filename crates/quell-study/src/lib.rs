@@ -22,6 +22,7 @@ pub mod results;
 mod runner;
 mod situation;
 mod standing;
+pub mod store;
 pub mod study;
 mod sweep;
 mod transient;
@@ -35,7 +36,7 @@ pub use outcome::{
 };
 pub use problem::{DesignProblem, ProblemScratch, problems};
 pub use read::FILE_VERSION;
-pub use runner::{Progress, RunError, RunSettings, Silent, run};
+pub use runner::{Progress, RunError, RunSettings, Silent, run, run_with_store};
 pub use standing::Standing;
 pub use study::{Sense, Study};
 

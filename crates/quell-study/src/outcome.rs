@@ -13,6 +13,8 @@ pub struct RunOutcome {
     pub results: Results,
     /// The tasks in the order of the study.
     pub tasks: Vec<TaskOutcome>,
+    /// Finished pieces of work that came from the run store.
+    pub restored: u64,
 }
 
 /// What one task found.

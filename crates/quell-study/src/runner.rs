@@ -2,7 +2,10 @@
 
 mod candidate;
 mod design;
+mod recorder;
+mod starts;
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -10,10 +13,12 @@ use indexmap::IndexMap;
 use quell_document::Fault;
 
 use crate::candidates::Candidates;
+use self::recorder::Recorder;
 use crate::configuration::{configuration, evaluated};
 use crate::outcome::{Findings, NamedValue, Plot, PointOutcome, Role, RunOutcome, TaskOutcome};
 use crate::plots::Curves;
 use crate::situation::{self, Situation};
+use crate::store::{Store, StoreError};
 use crate::study::{ConfigurationSpec, Study, Task, TaskKind};
 use crate::sweep::sweep_points;
 
@@ -32,8 +37,12 @@ pub struct RunSettings {
 pub trait Progress: Sync {
     /// A task begins that has so many units of work.
     fn begin(&self, task: &str, units: u64);
-    /// A unit is done; `best` says in words what is the best so far.
+    /// A unit is done; `best` says in words what is the best so far. With a store, what it took is on the disk.
     fn advance(&self, best: &str);
+    /// So many pieces of work of this run came from the store.
+    fn restored(&self, pieces: u64) {
+        let _ = pieces;
+    }
 }
 
 /// Nobody wants to know.
@@ -54,13 +63,18 @@ pub enum RunError {
     Study(Box<Fault>),
     /// The threads could not be started.
     Threads(Box<Fault>),
+    /// The run store failed; what was finished before is in it.
+    Store(Box<Fault>),
 }
 
 impl RunError {
     /// What to tell the user.
     pub fn fault(&self) -> &Fault {
         match self {
-            Self::NoSuchTask(fault) | Self::Study(fault) | Self::Threads(fault) => fault,
+            Self::NoSuchTask(fault)
+            | Self::Study(fault)
+            | Self::Threads(fault)
+            | Self::Store(fault) => fault,
         }
     }
 }
@@ -79,6 +93,16 @@ impl From<Fault> for RunError {
     }
 }
 
+impl RunSettings {
+    /// Whether the study has the tasks that are to be run.
+    ///
+    /// # Errors
+    /// [`RunError::NoSuchTask`].
+    pub fn check(&self, study: &Study) -> Result<(), RunError> {
+        chosen_tasks(study, &self.tasks).map(drop)
+    }
+}
+
 /// Runs a study.
 ///
 /// The same study, seed and version give the same designs on any number of threads: every start has a random stream of
@@ -91,6 +115,50 @@ pub fn run(
     study: &Study,
     settings: &RunSettings,
     progress: &dyn Progress,
+) -> Result<RunOutcome, RunError> {
+    let failure = OnceLock::new();
+    recorded(
+        study,
+        settings,
+        Recorder::forgetful(progress, &failure),
+    )
+}
+
+/// Runs a study as [`run`] does, and keeps every finished piece of work in a store. What the store holds already, from a
+/// run of the same study that was interrupted, is taken from there: the designs are the same, bit for bit, as those of a
+/// run that was not.
+///
+/// # Errors
+/// As [`run`], and [`RunError::Store`] where the store cannot be written.
+pub fn run_with_store(
+    study: &Study,
+    settings: &RunSettings,
+    progress: &dyn Progress,
+    store: &Store,
+) -> Result<RunOutcome, RunError> {
+    let failure = OnceLock::new();
+    let (recorder, writer) = Recorder::to(store, progress, &failure);
+    let outcome = std::thread::scope(|scope| {
+        scope.spawn(|| writer.run());
+        recorded(study, settings, recorder)
+    });
+    // The last units may fail after the last task has looked.
+    match failure.get() {
+        Some(error) => Err(RunError::from(error)),
+        None => outcome,
+    }
+}
+
+impl From<&StoreError> for RunError {
+    fn from(error: &StoreError) -> Self {
+        Self::Store(Box::new(recorder::fault(error)))
+    }
+}
+
+fn recorded(
+    study: &Study,
+    settings: &RunSettings,
+    recorder: Recorder<'_>,
 ) -> Result<RunOutcome, RunError> {
     let started = Instant::now();
     let chosen = chosen_tasks(study, &settings.tasks)?;
@@ -107,7 +175,7 @@ pub fn run(
     let runner = Runner {
         study,
         settings,
-        progress,
+        recorder: &recorder,
         evaluations: &evaluations,
     };
     let mut tasks = Vec::new();
@@ -123,7 +191,11 @@ pub fn run(
         evaluations.load(Ordering::Relaxed),
         &tasks,
     );
-    Ok(RunOutcome { results, tasks })
+    Ok(RunOutcome {
+        results,
+        tasks,
+        restored: recorder.restored(),
+    })
 }
 
 fn chosen_tasks<'a>(study: &'a Study, names: &[String]) -> Result<Vec<&'a Task>, RunError> {
@@ -148,7 +220,7 @@ fn chosen_tasks<'a>(study: &'a Study, names: &[String]) -> Result<Vec<&'a Task>,
 struct Runner<'a> {
     study: &'a Study,
     settings: &'a RunSettings,
-    progress: &'a dyn Progress,
+    recorder: &'a Recorder<'a>,
     evaluations: &'a AtomicU64,
 }
 
@@ -160,7 +232,7 @@ impl Runner<'_> {
             TaskKind::Design(design) => Candidates::of(design).count(),
         };
         let units = units.saturating_mul(points.len() as u128);
-        self.progress
+        self.recorder
             .begin(&task.name, u64::try_from(units).unwrap_or(u64::MAX));
         let swept = !task.sweep.is_empty();
         let points = points
@@ -208,7 +280,7 @@ impl Runner<'_> {
             all.push(evaluated(name, &evaluator, &[]));
             self.evaluations.fetch_add(1, Ordering::Relaxed);
             curves.add(self.study, &evaluator, &[], name, Role::Configuration);
-            self.progress.advance(name);
+            self.recorder.advance(name);
         }
         Ok((Findings::Evaluate(all), curves.finish()))
     }

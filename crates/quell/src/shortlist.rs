@@ -38,6 +38,14 @@ pub(crate) fn text(study: &Study, outcome: &RunOutcome) -> String {
         if engine.threads == 1 { "" } else { "s" },
         engine.seed
     );
+    if outcome.restored > 0 {
+        let plural = if outcome.restored == 1 { "" } else { "s" };
+        let _ = writeln!(
+            text,
+            "{} start{plural} of searches came from the interrupted run",
+            outcome.restored
+        );
+    }
     text
 }
 

@@ -4,15 +4,17 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use quell_document::Fault;
-use quell_search::{Outcome, Problem, Settings, Side, search};
+use quell_search::{Outcome, Problem, Settings, Side};
 
 use super::Runner;
+use super::starts::Effort;
 use crate::candidates::Candidate;
 use crate::configuration::evaluated;
 use crate::evaluator::{Evaluator, EvaluatorScratch};
 use crate::outcome::Evaluated;
 use crate::problem::{DesignProblem, Verdict};
 use crate::situation::Situation;
+use crate::store::{Key, KeyBuilder};
 use crate::study::DesignTask;
 
 /// Most rounds of searching again after a certificate found a peak that the grid had missed.
@@ -49,14 +51,20 @@ impl Runner<'_> {
         if let Some(starts) = design.starts {
             settings.starts = starts;
         }
-        let key = stream_key(&candidate);
+        let effort = Effort {
+            batch: settings.starts,
+            agree: None,
+            most: settings.starts,
+        };
+        let stream = stream_key(&candidate);
+        let mut key = self.key(situation, design, &problem, &candidate);
         let mut evaluations = 0;
         let mut rounds = 0;
         let (outcome, missed) = loop {
             let outcome = if dimension == 0 {
                 nothing_to_search(&problem)
             } else {
-                search(&problem, &settings, key)
+                self.starts(&problem, &settings, effort, stream, &key)?
             };
             evaluations += outcome.evaluations as u64;
             if outcome.point.len() != dimension {
@@ -71,6 +79,10 @@ impl Runner<'_> {
             rounds += 1;
             if missed.is_empty() || rounds == ROUNDS || dimension == 0 {
                 break (outcome, !missed.is_empty());
+            }
+            // The problem is another one from here on.
+            for (reading, omega) in &missed {
+                key = key.count(*reading as u64).number(*omega);
             }
             problem.evaluator.add_frequencies(&missed)?;
         };
@@ -95,6 +107,48 @@ impl Runner<'_> {
             verdict,
             evaluations,
         })
+    }
+}
+
+impl Runner<'_> {
+    /// Everything that determines the search of a candidate but its settings: the texts of study and host, the version, the
+    /// parameters and bounds at a point of a sweep, the objective, the layout.
+    fn key(
+        &self,
+        situation: &Situation,
+        design: &DesignTask,
+        problem: &DesignProblem,
+        candidate: &Candidate,
+    ) -> KeyBuilder {
+        let mut key = Key::of("start of a search")
+            .text(env!("CARGO_PKG_VERSION"))
+            .text(&self.study.hash)
+            .text(&candidate.label());
+        for (name, quantity) in &situation.parameters {
+            key = key.text(name).number(quantity.value);
+        }
+        for (slot, _, _) in &candidate.layouts {
+            key = key
+                .text(&slot.device)
+                .text(slot.placeholder.as_deref().unwrap_or_default());
+        }
+        // Two tasks may give one layout different ranges and fixed values.
+        for (name, amount) in &design.fixed {
+            key = key.text(name).text(&amount.expression().to_string());
+        }
+        for variable in problem.variables() {
+            key = key
+                .text(&variable.name)
+                .numbers(&[variable.lower, variable.upper])
+                .text(&format!("{:?}", variable.scale));
+        }
+        for goal in std::iter::once(&problem.objective).chain(&problem.constraints) {
+            let name = problem.evaluator.names().nth(goal.criterion);
+            key = key
+                .text(name.unwrap_or_default())
+                .numbers(&[goal.sense.sign(), goal.bound]);
+        }
+        key
     }
 }
 

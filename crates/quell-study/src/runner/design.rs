@@ -44,7 +44,7 @@ impl Runner<'_> {
                 .with_max_len(1)
                 .map(|candidate| {
                     let found = self.candidate(situation, design, candidate);
-                    self.progress
+                    self.recorder
                         .advance(&self.best_so_far(design, &found, &best));
                     found
                 })

@@ -9,6 +9,7 @@ mod check;
 mod help;
 mod layouts;
 mod run;
+mod store;
 
 use std::path::PathBuf;
 
