@@ -24,12 +24,7 @@ impl StartResult {
         bytes.extend(self.objective.to_bits().to_le_bytes());
         bytes.extend(self.violation.to_bits().to_le_bytes());
         bytes.push(u8::from(self.certificate.is_some()));
-        bytes.extend(
-            self.certificate
-                .unwrap_or_default()
-                .to_bits()
-                .to_le_bytes(),
-        );
+        bytes.extend(self.certificate.unwrap_or_default().to_bits().to_le_bytes());
         for list in [&self.point, &self.constraints] {
             bytes.extend((list.len() as u64).to_le_bytes());
             for number in list {

@@ -31,8 +31,9 @@ mod unread;
 pub use amount::Amount;
 pub use check::{Summary, check};
 pub use outcome::{
-    BuiltDevice, Design, DesignFindings, Evaluated, Findings, NamedValue, Over, Plot, PointOutcome,
-    Reference, Role, RunOutcome, Series, TaskOutcome,
+    BuiltDevice, Design, DesignFindings, Evaluated, Findings, FrontFindings, FrontPoint,
+    LayoutFront, NamedValue, Over, Plot, PointOutcome, Reference, Role, RunOutcome, Series,
+    TaskOutcome,
 };
 pub use problem::{DesignProblem, ProblemScratch, problems};
 pub use read::FILE_VERSION;

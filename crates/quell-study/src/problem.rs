@@ -5,12 +5,13 @@ use std::sync::Arc;
 use quell_document::Fault;
 use quell_search::{Pieces, Problem, Variable};
 
+use crate::amount::Amount;
 use crate::built::{Built, Values};
 use crate::candidates::{Candidate, Candidates};
 use crate::evaluator::{Evaluator, EvaluatorScratch};
 use crate::outcome::Evaluated;
 use crate::situation::{self, Situation};
-use crate::study::{DesignTask, Sense, Study, TaskKind};
+use crate::study::{Constraint, DesignTask, Objective, Sense, Study, TaskKind};
 
 /// A criterion with its direction and, for a constraint, its bound (SI).
 #[derive(Debug, Clone, Copy)]
@@ -73,6 +74,24 @@ impl Verdict {
             feasible,
             violation: if feasible { 0.0 } else { violation },
         }
+    }
+}
+
+impl DesignTask {
+    /// The task with one objective and bounds (SI) on others.
+    pub(crate) fn bounded(&self, objective: &Objective, bounds: &[(Objective, f64)]) -> Self {
+        let mut task = self.clone();
+        task.objective.clone_from(&objective.criterion);
+        task.sense = objective.sense;
+        task.further.clear();
+        task.constraints
+            .extend(bounds.iter().map(|(bounded, bound)| Constraint {
+                criterion: bounded.criterion.clone(),
+                sense: bounded.sense,
+                bound: Amount::si(*bound),
+                swept: Some(*bound),
+            }));
+        task
     }
 }
 
@@ -147,9 +166,8 @@ pub(crate) fn constraints(
         .iter()
         .map(|constraint| {
             let criterion = index(evaluator, &constraint.criterion)?;
-            let bound = constraint
-                .bound
-                .value(&situation.parameters, evaluator.dimension(criterion))?;
+            let dimension = evaluator.dimension(criterion);
+            let bound = constraint.bound(&situation.parameters, dimension)?;
             Ok(Goal {
                 criterion,
                 sense: constraint.sense,

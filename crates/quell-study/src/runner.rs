@@ -2,7 +2,9 @@
 
 mod candidate;
 mod design;
+mod front;
 mod recorder;
+mod remarks;
 mod starts;
 
 use std::sync::OnceLock;
@@ -12,10 +14,10 @@ use std::time::Instant;
 use indexmap::IndexMap;
 use quell_document::Fault;
 
-use crate::candidates::Candidates;
 use self::recorder::Recorder;
+use crate::candidates::Candidates;
 use crate::configuration::{configuration, evaluated};
-use crate::outcome::{Findings, NamedValue, Plot, PointOutcome, Role, RunOutcome, TaskOutcome};
+use crate::outcome::{Findings, Plot, PointOutcome, Role, RunOutcome, TaskOutcome};
 use crate::plots::Curves;
 use crate::situation::{self, Situation};
 use crate::store::{Store, StoreError};
@@ -117,11 +119,7 @@ pub fn run(
     progress: &dyn Progress,
 ) -> Result<RunOutcome, RunError> {
     let failure = OnceLock::new();
-    recorded(
-        study,
-        settings,
-        Recorder::forgetful(progress, &failure),
-    )
+    recorded(study, settings, Recorder::forgetful(progress, &failure))
 }
 
 /// Runs a study as [`run`] does, and keeps every finished piece of work in a store. What the store holds already, from a
@@ -234,29 +232,22 @@ impl Runner<'_> {
         let units = units.saturating_mul(points.len() as u128);
         self.recorder
             .begin(&task.name, u64::try_from(units).unwrap_or(u64::MAX));
-        let swept = !task.sweep.is_empty();
         let points = points
             .into_iter()
             .map(|at| {
-                let situation = situation::build(&self.study.host, &self.study.overrides, &at)?;
+                let situation =
+                    situation::build(&self.study.host, &self.study.overrides, &at.parameters())?;
                 let (findings, plots) = match &task.kind {
                     TaskKind::Evaluate(configurations) => {
                         self.evaluate(&situation, configurations)?
                     }
-                    TaskKind::Design(design) => self.design(&situation, design)?,
+                    TaskKind::Design(design) if !design.further.is_empty() => {
+                        self.front(&situation, design)?
+                    }
+                    TaskKind::Design(design) => self.design(&situation, &at.design(design))?,
                 };
-                let at = at
-                    .into_iter()
-                    .filter(|_| swept)
-                    .map(|(name, quantity)| NamedValue {
-                        name,
-                        value: quantity.value,
-                        unit: quantity.dimension.unit_text(),
-                        bounds: None,
-                        logarithmic: false,
-                    });
                 Ok(PointOutcome {
-                    at: at.collect(),
+                    at: at.named(),
                     findings,
                     plots,
                 })

@@ -1,6 +1,9 @@
 //! The run store: what was put is there, whatever happens to the process; one process at a time.
 #![allow(missing_docs, reason = "a test binary")]
-#![expect(clippy::unwrap_used, reason = "a test whose files cannot be read has failed")]
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test whose files cannot be read has failed"
+)]
 
 use std::fs;
 use std::path::Path;
@@ -92,7 +95,11 @@ fn a_store_belongs_to_one_study() {
     store.claim(&origin("1", "A")).unwrap();
     store.claim(&origin("1", "A")).unwrap();
     let other = store.claim(&origin("2", "B")).unwrap_err();
-    assert!(other.to_string().ends_with("holds an unfinished run of another study, `A`"));
+    assert!(
+        other
+            .to_string()
+            .ends_with("holds an unfinished run of another study, `A`")
+    );
     let edited = store.claim(&origin("2", "A")).unwrap_err();
     assert!(edited.to_string().contains("before its files"), "{edited}");
     store.put(&key(1), "start", b"gone").unwrap();
@@ -110,8 +117,11 @@ fn a_store_belongs_to_one_study() {
 fn what_is_no_store_is_said_to_be_none_and_gives_way_by_force() {
     let folder = tempdir().unwrap();
     let file = folder.path().join("store.sqlite");
-    fs::write(&file, "a letter to my aunt, long enough to be a header of a database\n".repeat(50))
-        .unwrap();
+    fs::write(
+        &file,
+        "a letter to my aunt, long enough to be a header of a database\n".repeat(50),
+    )
+    .unwrap();
     let error = Store::open(folder.path()).unwrap_err();
     assert!(matches!(error, StoreError::NoStore { .. }), "{error:?}");
     assert!(error.to_string().contains("store.sqlite"), "{error}");

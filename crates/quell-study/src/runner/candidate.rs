@@ -3,11 +3,12 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+use indexmap::IndexMap;
 use quell_document::Fault;
 use quell_search::{Outcome, Problem, Settings, Side};
 
-use super::Runner;
 use super::starts::Effort;
+use super::{Runner, remarks};
 use crate::candidates::Candidate;
 use crate::configuration::evaluated;
 use crate::evaluator::{Evaluator, EvaluatorScratch};
@@ -33,6 +34,10 @@ pub(super) struct Found {
     pub(super) starts_agreeing: usize,
     pub(super) evaluations: u64,
     pub(super) status: String,
+    /// What an engineer should know beyond the numbers.
+    pub(super) remarks: Vec<String>,
+    /// How far each constraint is missed; empty where all hold.
+    pub(super) violations: IndexMap<String, f64>,
 }
 
 impl Runner<'_> {
@@ -51,11 +56,7 @@ impl Runner<'_> {
         if let Some(starts) = design.starts {
             settings.starts = starts;
         }
-        let effort = Effort {
-            batch: settings.starts,
-            agree: None,
-            most: settings.starts,
-        };
+        let effort = Effort::of(design, &settings);
         let stream = stream_key(&candidate);
         let mut key = self.key(situation, design, &problem, &candidate);
         let mut evaluations = 0;
@@ -92,12 +93,22 @@ impl Runner<'_> {
             situation,
             Arc::clone(problem.evaluator.built()),
             None,
-            &indexmap::IndexMap::new(),
+            &IndexMap::new(),
         )?;
         let evaluated = evaluated(&candidate.label(), &all, &outcome.point);
         let verdict = Verdict::on(&evaluated, design, &problem.constraints);
+        let (violations, remarks) = if verdict.feasible {
+            let remarks = remarks::remarks(&problem, &candidate, &evaluated, &outcome, &settings);
+            (IndexMap::new(), remarks)
+        } else {
+            let violations = remarks::violations(&evaluated, design, &problem.constraints);
+            let remark = remarks::missed(&violations).into_iter().collect();
+            (violations, remark)
+        };
         Ok(Found {
-            status: status(design, &evaluated, verdict, &outcome, missed),
+            remarks,
+            violations,
+            status: status(design, &evaluated, verdict, &outcome, effort, missed),
             active_bounds: active_bounds(&problem, &outcome),
             starts: outcome.starts,
             starts_agreeing: outcome.starts_agreeing,
@@ -158,11 +169,22 @@ fn status(
     evaluated: &Evaluated,
     verdict: Verdict,
     outcome: &Outcome,
+    effort: Effort,
     missed: bool,
 ) -> String {
     if !verdict.objective.is_finite() {
         let detail = evaluated.details.get(&design.objective);
         return detail.map_or_else(|| "no value".to_owned(), |detail| detail.status.clone());
+    }
+    let short = effort
+        .agree
+        .filter(|agree| verdict.feasible && outcome.starts_agreeing < *agree);
+    if let Some(agree) = short {
+        let (agreeing, starts) = (outcome.starts_agreeing, outcome.starts);
+        let verb = if agreeing == 1 { "agrees" } else { "agree" };
+        return format!(
+            "only {agreeing} of {starts} starts {verb}, the most that are allowed, and `agree` asks for {agree}: raise `most_starts`"
+        );
     }
     if !verdict.feasible {
         "infeasible: no values were found that meet every constraint; this is the least violation"

@@ -42,10 +42,7 @@ pub(super) struct Writer<'a> {
 
 impl<'a> Recorder<'a> {
     /// Without a store: units are worked out and forgotten.
-    pub(super) fn forgetful(
-        progress: &'a dyn Progress,
-        failure: &'a OnceLock<StoreError>,
-    ) -> Self {
+    pub(super) fn forgetful(progress: &'a dyn Progress, failure: &'a OnceLock<StoreError>) -> Self {
         Self {
             progress,
             store: None,

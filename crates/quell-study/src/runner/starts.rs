@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::Runner;
 use crate::problem::DesignProblem;
 use crate::store::KeyBuilder;
+use crate::study::DesignTask;
 
 /// What a start is called in a store.
 const KIND: &str = "start";
@@ -20,6 +21,25 @@ pub(super) struct Effort {
     pub(super) agree: Option<usize>,
     /// But no more than these.
     pub(super) most: usize,
+}
+
+impl Effort {
+    /// What a task asks for.
+    pub(super) fn of(design: &DesignTask, settings: &Settings) -> Self {
+        let batch = settings.starts;
+        match design.agree {
+            None => Self {
+                batch,
+                agree: None,
+                most: batch,
+            },
+            Some(agree) => Self {
+                batch,
+                agree: Some(agree.starts),
+                most: agree.most.unwrap_or(10 * batch.max(agree.starts)),
+            },
+        }
+    }
 }
 
 impl Runner<'_> {

@@ -120,7 +120,11 @@ impl Store {
     }
 
     fn remove_files(folder: &Path) -> Result<(), StoreError> {
-        for name in [FILE.to_owned(), format!("{FILE}-wal"), format!("{FILE}-shm")] {
+        for name in [
+            FILE.to_owned(),
+            format!("{FILE}-wal"),
+            format!("{FILE}-shm"),
+        ] {
             let path = folder.join(name);
             if path.exists() {
                 fs::remove_file(&path).map_err(|error| StoreError::Failed {
@@ -252,7 +256,9 @@ impl Store {
     /// Forgets everything.
     fn empty(&self) -> Result<(), StoreError> {
         self.connection()
-            .execute_batch("BEGIN IMMEDIATE; DELETE FROM units; DELETE FROM origin; COMMIT; VACUUM;")
+            .execute_batch(
+                "BEGIN IMMEDIATE; DELETE FROM units; DELETE FROM origin; COMMIT; VACUUM;",
+            )
             .map_err(|error| self.failed(&error))?;
         self.known
             .lock()

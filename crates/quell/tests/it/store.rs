@@ -103,7 +103,10 @@ fn a_run_killed_at_random_moments_ends_with_the_same_bits() {
         }
         let said = String::from_utf8_lossy(&ended.stderr);
         assert_eq!(said, "", "it was killed, and nothing else was wrong");
-        assert!(!out.join("results.json").exists(), "half a run has no results");
+        assert!(
+            !out.join("results.json").exists(),
+            "half a run has no results"
+        );
         killed += 1;
     }
     assert!(killed > 0, "the first run ended within 0.4 of its own time");
@@ -129,7 +132,7 @@ fn a_folder_in_use_is_refused_and_free_again_afterwards() {
         let refused = run(folder.path(), arguments).code(1);
         assert_eq!(output(&refused), "");
         insta::allow_duplicates! {
-            insta::assert_snapshot!(errors(&refused), @"");
+            insta::assert_snapshot!(errors(&refused), @"another run is writing to `out`; wait until it ends, or put this run elsewhere by `--out DIR`");
         }
     }
     drop(held);
@@ -148,10 +151,14 @@ fn an_interrupted_run_of_something_else_is_not_gone_on_with() {
     let edited = STUDY.replace("100 N*s/m", "90 N*s/m");
     fs::write(folder.path().join("many.toml"), edited).unwrap();
     let refused = run(folder.path(), &["--out", "out"]).code(1);
-    insta::assert_snapshot!(errors(&refused), @"");
+    insta::assert_snapshot!(errors(&refused), @"`out` holds an unfinished run of `Many absorbers` as it was before its files, or Quell, changed; `--force` starts afresh over it, `--out DIR` puts this run elsewhere");
 
     // A wrong task name takes nothing away, by force either.
-    let wrong = run(folder.path(), &["--out", "out", "--force", "--task", "peek"]).code(1);
+    let wrong = run(
+        folder.path(),
+        &["--out", "out", "--force", "--task", "peek"],
+    )
+    .code(1);
     assert!(errors(&wrong).contains("did you mean `peak`?"));
 
     // The study as it was goes on, on however many threads, from what is there.
