@@ -86,6 +86,9 @@ fn one_at_a_time() {
     drop(first);
     let second = Store::open(folder.path()).unwrap();
     assert_eq!(second.get(&key(1), "start").unwrap().unwrap(), b"kept");
+    second.put(&key(2), "start", b"new").unwrap();
+    assert_eq!(second.get(&key(2), "start").unwrap().unwrap(), b"new");
+    assert!(second.is_earlier(&key(1)) && !second.is_earlier(&key(2)));
 }
 
 #[test]

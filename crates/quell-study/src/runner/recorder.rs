@@ -103,8 +103,11 @@ impl<'a> Recorder<'a> {
         if let Ok(Some(bytes)) = store.get(key, kind)
             && let Some(found) = read(&bytes)
         {
-            let restored = self.restored.fetch_add(1, Ordering::Relaxed) + 1;
-            self.progress.restored(restored);
+            // Tasks of one study may share a layout; that is no news of an earlier run.
+            if store.is_earlier(key) {
+                let restored = self.restored.fetch_add(1, Ordering::Relaxed) + 1;
+                self.progress.restored(restored);
+            }
             return found;
         }
         let found = work();

@@ -52,8 +52,11 @@ pub(super) fn violations(
         .collect()
 }
 
-/// Which constraint costs what, of a design that misses one.
+/// Which constraint costs what, of a design that misses one; of a single constraint the violation says it all.
 pub(super) fn missed(violations: &IndexMap<String, f64>) -> Option<String> {
+    if violations.len() < 2 {
+        return None;
+    }
     let mut text = String::new();
     for (words, missed) in violations {
         if !text.is_empty() {
@@ -68,7 +71,7 @@ pub(super) fn missed(violations: &IndexMap<String, f64>) -> Option<String> {
             write!(text, "`{words}` has no number")
         };
     }
-    (!text.is_empty()).then_some(text)
+    Some(text)
 }
 
 /// Flat directions, and bounds behind which another layout lies.

@@ -41,9 +41,11 @@ pub struct Store {
     folder: PathBuf,
     path: PathBuf,
     connection: Mutex<Connection>,
-    /// Prefixes of all keys in the file. A run that begins anew asks for a
-    /// million units that are not there, and shall not wait for the writer to be told so.
-    known: Mutex<HashSet<u64>>,
+    /// Prefixes of the keys that were in the file when it was opened. A run that begins anew asks for a million units that
+    /// are not there, and shall not wait for the writer to be told so.
+    earlier: HashSet<u64>,
+    /// Prefixes of those that were put since.
+    later: Mutex<HashSet<u64>>,
 }
 
 impl Store {
@@ -78,7 +80,8 @@ impl Store {
         }
         let store = Self {
             folder: folder.to_path_buf(),
-            known: Mutex::new(prefixes(&connection).map_err(|error| failed(&error))?),
+            earlier: prefixes(&connection).map_err(|error| failed(&error))?,
+            later: Mutex::new(HashSet::new()),
             connection: Mutex::new(connection),
             path,
         };
@@ -91,7 +94,7 @@ impl Store {
     /// [`StoreError::InUse`] where another process has it open, [`StoreError::Failed`] where the disk refuses.
     pub fn open_anew(folder: &Path) -> Result<Self, StoreError> {
         match Self::open(folder) {
-            Ok(store) => {
+            Ok(mut store) => {
                 store.empty()?;
                 Ok(store)
             }
@@ -148,6 +151,15 @@ impl Store {
             .unwrap_or_else(PoisonError::into_inner)
     }
 
+    fn later(&self) -> MutexGuard<'_, HashSet<u64>> {
+        self.later.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether a unit was there when the store was opened, rather than put since.
+    pub fn is_earlier(&self, key: &Key) -> bool {
+        self.earlier.contains(&Key::prefix(key.bytes()))
+    }
+
     fn failed(&self, error: &rusqlite::Error) -> StoreError {
         named(error, &self.folder, &self.path)
     }
@@ -198,11 +210,9 @@ impl Store {
     /// [`StoreError::Failed`].
     pub fn get(&self, key: &Key, kind: &str) -> Result<Option<Vec<u8>>, StoreError> {
         let prefix = Key::prefix(key.bytes());
-        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        if !known.contains(&prefix) {
+        if !self.earlier.contains(&prefix) && !self.later().contains(&prefix) {
             return Ok(None);
         }
-        drop(known);
         self.connection()
             .prepare("SELECT bytes FROM units WHERE key = ?1 AND kind = ?2")
             .and_then(|mut statement| {
@@ -248,22 +258,20 @@ impl Store {
         };
         write(&mut connection).map_err(|error| self.failed(&error))?;
         drop(connection);
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        known.extend(units.iter().map(|unit| Key::prefix(unit.key.bytes())));
+        self.later()
+            .extend(units.iter().map(|unit| Key::prefix(unit.key.bytes())));
         Ok(())
     }
 
     /// Forgets everything.
-    fn empty(&self) -> Result<(), StoreError> {
+    fn empty(&mut self) -> Result<(), StoreError> {
         self.connection()
             .execute_batch(
                 "BEGIN IMMEDIATE; DELETE FROM units; DELETE FROM origin; COMMIT; VACUUM;",
             )
             .map_err(|error| self.failed(&error))?;
-        self.known
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clear();
+        self.earlier.clear();
+        self.later().clear();
         Ok(())
     }
 }

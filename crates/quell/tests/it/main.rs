@@ -8,6 +8,7 @@
 mod check;
 mod help;
 mod layouts;
+mod objectives;
 mod run;
 mod store;
 

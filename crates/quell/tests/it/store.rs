@@ -35,7 +35,7 @@ minimise = "amplification"
 references = ["c1 + m1"]
 sweep = { zeta = [0.0, 0.02] }
 candidates.absorber = { springs = 1, dampers = 1, inerters = 1, masses = 1 }
-fixed = { m = "0.5 kg" }
+fixed = { m1 = "0.5 kg" }
 bounds = { k = ["10 N/m", "1 kN/m"], c = ["0.1 N*s/m", "100 N*s/m"], b = ["0.01 kg", "1 kg"] }
 "#;
 
