@@ -99,6 +99,9 @@ fn glance(task: &TaskSection, index: usize) -> Markup {
             @if !task.sweep.is_empty() {
                 td { (count(task.sweep.len(), "point", "points")) " of a sweep" }
                 td {} td {} td {}
+            } @else if !task.front.is_empty() {
+                td { (count(task.front.len(), "design", "designs")) " on the front" }
+                td {} td {} td {}
             } @else if task.kind == TaskKind::Design {
                 @if let Some(best) = best {
                     td {

@@ -169,6 +169,8 @@ pub struct TaskSection {
     pub configurations: Vec<Configuration>,
     /// Points of a sweep, each with its own results.
     pub sweep: Vec<SweepPoint>,
+    /// Of a task with several objectives: the front of all layouts, from one end to the other.
+    pub front: Vec<Design>,
     /// Responses.
     pub plots: Vec<Plot>,
 }
@@ -304,6 +306,8 @@ pub struct Design {
     pub violation: f64,
     /// What the certified objective is worth, such as `certified within 2.1e-7`.
     pub certificate: String,
+    /// What else should be known, in words.
+    pub remarks: Vec<String>,
 }
 
 /// An evaluated configuration.

@@ -1,11 +1,13 @@
 //! The report of a study: what a run found, as a [`Page`].
 
 mod device;
+mod front;
 mod problem;
 mod task;
 mod words;
 
-use quell_study::{RunOutcome, Standing, Study};
+use quell_study::study::{Swept, Task};
+use quell_study::{NamedValue, RunOutcome, Standing, Study};
 
 use crate::number::significant;
 use crate::page::{Fact, Page};
@@ -44,6 +46,24 @@ pub fn shown_unit<'a>(study: &'a Study, criterion: &str, si_unit: &'a str) -> (f
         .map_or((1.0, si_unit), |(unit, _)| {
             (unit.factor, unit.text.as_str())
         })
+}
+
+/// A swept value as people read it, with its unit: a bound in the unit of the criterion that it bounds.
+pub fn shown_swept<'a>(
+    study: &'a Study,
+    task: Option<&Task>,
+    value: &'a NamedValue,
+) -> (f64, &'a str) {
+    let bound = task.is_some_and(|task| {
+        task.sweep
+            .iter()
+            .any(|axis| axis.name == value.name && axis.what == Swept::Bound)
+    });
+    if !bound {
+        return (value.value, &value.unit);
+    }
+    let (factor, unit) = shown_unit(study, &value.name, &value.unit);
+    (value.value / factor, unit)
 }
 
 /// What everything is looked up in.

@@ -85,6 +85,7 @@ fn design(rank: usize) -> Design {
         feasible: rank != 2,
         violation: if rank == 2 { 3.2 } else { 0.0 },
         certificate: NASTY.into(),
+        remarks: vec![NASTY.into()],
     }
 }
 
@@ -183,6 +184,12 @@ fn page(designs: usize) -> Page {
             },
             TaskSection {
                 configurations: vec![configuration("default")],
+                ..TaskSection::default()
+            },
+            TaskSection {
+                kind: TaskKind::Design,
+                front: vec![design(1), design(2)],
+                plots: vec![plot()],
                 ..TaskSection::default()
             },
             TaskSection {

@@ -43,6 +43,8 @@
 mod derivative_free;
 mod error;
 mod evaluation;
+mod exact;
+mod front;
 mod minimax;
 mod outcome;
 mod problem;
@@ -53,6 +55,7 @@ mod settings;
 mod variable;
 
 pub use error::SearchError;
+pub use front::{efficient, epsilon_levels};
 pub use outcome::{Outcome, StartResult, StartStatus, Status};
 pub use problem::{Pieces, Problem};
 pub use search::{collect, polish, search, start};

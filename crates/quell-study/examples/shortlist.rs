@@ -45,6 +45,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                         );
                     }
                 }
+                Findings::Front(found) => {
+                    for (layout, point) in found.common() {
+                        println!(
+                            "{} {}: {:?}",
+                            task.name, layout.layout, point.design.configuration.criteria
+                        );
+                    }
+                }
             }
         }
     }

@@ -58,6 +58,20 @@ impl Amount {
         }
     }
 
+    /// A number that nobody typed, SI.
+    pub(crate) fn si(number: f64) -> Self {
+        let span = Span::new(0, 0);
+        Self {
+            expression: Expression {
+                node: Node::Number(number),
+                span,
+            },
+            source: Arc::new(Source::new(String::new(), String::new())),
+            span,
+            plain: true,
+        }
+    }
+
     /// Where it was typed.
     pub const fn span(&self) -> Span {
         self.span

@@ -43,7 +43,7 @@ pub fn check(study: &Study) -> Result<Summary, Fault> {
         let points = sweep_points(study, task)?;
         let mut line = String::new();
         for at in &points {
-            let situation = situation::build(&study.host, &study.overrides, at)?;
+            let situation = situation::build(&study.host, &study.overrides, &at.parameters())?;
             line = match &task.kind {
                 TaskKind::Evaluate(configurations) => {
                     for spec in configurations.values() {
@@ -54,7 +54,7 @@ pub fn check(study: &Study) -> Result<Summary, Fault> {
                         counted(configurations.len(), "configuration")
                     )
                 }
-                TaskKind::Design(design) => check_design(study, &situation, design)?,
+                TaskKind::Design(design) => check_design(study, &situation, &at.design(design))?,
             };
         }
         if points.len() > 1 {
@@ -80,6 +80,10 @@ fn check_design(
     let (mut fewest, mut most) = (usize::MAX, 0);
     for candidate in candidates.iter().take(CHECKED) {
         let problem = DesignProblem::of(study, situation, design, &candidate)?;
+        for objective in &design.further {
+            let task = design.bounded(objective, &[]);
+            DesignProblem::of(study, situation, &task, &candidate)?;
+        }
         let built = problem.evaluator.built();
         used.extend(built.used.iter().cloned());
         fewest = fewest.min(built.variables.len());
@@ -118,9 +122,19 @@ fn check_design(
         format!("{fewest} to {most} variables")
     };
     let plural = if candidates.count() == 1 { "" } else { "s" };
+    let objectives: Vec<String> = design
+        .objectives()
+        .into_iter()
+        .map(|objective| objective.criterion)
+        .collect();
+    let front = if objectives.len() > 1 {
+        "the front of "
+    } else {
+        ""
+    };
     Ok(format!(
-        "designs {} layout{plural} of {variables} for {}",
+        "designs {} layout{plural} of {variables} for {front}{}",
         candidates.count(),
-        design.objective
+        objectives.join(" and ")
     ))
 }

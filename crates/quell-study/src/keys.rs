@@ -4,6 +4,7 @@ use quell_document::{Key, KeySet, Shape};
 use quell_model::host::keys::SIGNAL;
 
 const TEXTS: Shape = Shape::List(&Shape::Text);
+const CRITERIA: Shape = Shape::AnyOf(&[Shape::Text, TEXTS]);
 const AMOUNTS: Shape = Shape::MapOf(&Shape::Amount);
 const COUNTS: Shape = Shape::MapOf(&Shape::Integer);
 const BOUNDS: Shape = Shape::AnyOf(&[Shape::List(&Shape::Amount), Shape::Table(&BOUNDS_TABLE)]);
@@ -326,13 +327,13 @@ pub const TASK: KeySet = KeySet {
         ),
         Key::optional(
             "minimise",
-            Shape::Text,
-            "design: the criterion to make small.",
+            CRITERIA,
+            "design: the criterion to make small. Of several, or with `maximise` beside it, the front is sought: the designs of which none can be made better in one objective without becoming worse in another.",
         ),
         Key::optional(
             "maximise",
-            Shape::Text,
-            "design: the criterion to make large.",
+            CRITERIA,
+            "design: the criterion to make large, or several.",
         ),
         Key::optional(
             "subject_to",
@@ -361,6 +362,21 @@ pub const TASK: KeySet = KeySet {
             "design: independent starts for each layout; chosen from the number of variables unless given.",
         ),
         Key::optional(
+            "agree",
+            Shape::Integer,
+            "design: starts are added, `starts` at a time, until so many of them agree on the best feasible objective within 1e-4, or there are `most_starts`. The result says which.",
+        ),
+        Key::optional(
+            "most_starts",
+            Shape::Integer,
+            "design: with `agree`, the most starts for each layout; ten times `starts` unless given.",
+        ),
+        Key::optional(
+            "front_points",
+            Shape::Integer,
+            "design, with several objectives: points of the front for each layout, ends included; 11 unless given. With three objectives or more, points along each axis of a grid.",
+        ),
+        Key::optional(
             "feasibility",
             Shape::Number,
             "design: relative tolerance within which a constraint holds; 1e-6 unless given.",
@@ -371,7 +387,7 @@ pub const TASK: KeySet = KeySet {
                 Shape::Table(&SWEEP),
                 Shape::List(&Shape::Amount),
             ])),
-            "Repeat the task at values of host parameters; several give every combination.",
+            "Repeat the task at values of host parameters, or of the bound of one of the task's constraints, called by its criterion: `{ F_max = { from = \"5 kN\", to = \"8 kN\", points = 7 } }`; several give every combination.",
         ),
     ],
     others: None,

@@ -22,6 +22,7 @@ pub mod results;
 mod runner;
 mod situation;
 mod standing;
+pub mod store;
 pub mod study;
 mod sweep;
 mod transient;
@@ -30,12 +31,13 @@ mod unread;
 pub use amount::Amount;
 pub use check::{Summary, check};
 pub use outcome::{
-    BuiltDevice, Design, DesignFindings, Evaluated, Findings, NamedValue, Over, Plot, PointOutcome,
-    Reference, Role, RunOutcome, Series, TaskOutcome,
+    BuiltDevice, Design, DesignFindings, Evaluated, Findings, FrontFindings, FrontPoint,
+    LayoutFront, NamedValue, Over, Plot, PointOutcome, Reference, Role, RunOutcome, Series,
+    TaskOutcome,
 };
 pub use problem::{DesignProblem, ProblemScratch, problems};
 pub use read::FILE_VERSION;
-pub use runner::{Progress, RunError, RunSettings, Silent, run};
+pub use runner::{Progress, RunError, RunSettings, Silent, run, run_with_store};
 pub use standing::Standing;
 pub use study::{Sense, Study};
 

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use quell_network::{Domain, Layout};
 
 use crate::results::{CriterionDetail, Ledger, Results};
-use crate::study::Sense;
+use crate::study::{Objective, Sense};
 
 /// Everything that a run found.
 #[derive(Debug, Clone)]
@@ -13,6 +13,8 @@ pub struct RunOutcome {
     pub results: Results,
     /// The tasks in the order of the study.
     pub tasks: Vec<TaskOutcome>,
+    /// Finished pieces of work that came from the run store.
+    pub restored: u64,
 }
 
 /// What one task found.
@@ -42,6 +44,58 @@ pub enum Findings {
     Evaluate(Vec<Evaluated>),
     /// Of a `design` task.
     Design(Box<DesignFindings>),
+    /// Of a `design` task with several objectives.
+    Front(Box<FrontFindings>),
+}
+
+/// What a design task with several objectives found.
+#[derive(Debug, Clone)]
+pub struct FrontFindings {
+    /// The objectives, in order.
+    pub objectives: Vec<Objective>,
+    /// The constraints in words, in the units of the study.
+    pub constraints: Vec<String>,
+    /// What designs are seen beside.
+    pub references: Vec<Reference>,
+    /// The front of each layout, in the order of the candidates.
+    pub layouts: Vec<LayoutFront>,
+    /// How many layouts were tried, and up to which equivalence each was listed once.
+    pub candidates: String,
+    /// How the fronts were found, in words.
+    pub method: String,
+}
+
+/// The front of one layout.
+#[derive(Debug, Clone)]
+pub struct LayoutFront {
+    /// The layout.
+    pub layout: String,
+    /// Its designs of which none can be made better in one objective without becoming worse in another, the best of the first
+    /// objective first; a single infeasible design where no values meet the constraints.
+    pub points: Vec<FrontPoint>,
+}
+
+/// A point of a front.
+#[derive(Debug, Clone)]
+pub struct FrontPoint {
+    /// The place on the front of all layouts together, from 1; none where another layout is better in everything.
+    pub rank: Option<usize>,
+    /// The design.
+    pub design: Design,
+}
+
+impl FrontFindings {
+    /// The points of the front of all layouts, the best of the first objective first.
+    pub fn common(&self) -> Vec<(&LayoutFront, &FrontPoint)> {
+        let mut points: Vec<(&LayoutFront, &FrontPoint)> = self
+            .layouts
+            .iter()
+            .flat_map(|layout| layout.points.iter().map(move |point| (layout, point)))
+            .filter(|(_, point)| point.rank.is_some())
+            .collect();
+        points.sort_by_key(|(_, point)| point.rank);
+        points
+    }
 }
 
 /// What a design task found.
@@ -110,6 +164,8 @@ pub struct Design {
     pub feasible: bool,
     /// Largest relative violation.
     pub violation: f64,
+    /// Of a design that misses a constraint: by constraint how far it is missed, relative; 0 where it holds.
+    pub violations: IndexMap<String, f64>,
     /// Variables at a bound: `track1.dL = lower`.
     pub active_bounds: Vec<String>,
     /// Independent starts.
@@ -120,6 +176,8 @@ pub struct Design {
     pub evaluations: u64,
     /// How the search ended.
     pub status: String,
+    /// What else should be known, in words: flat directions, layouts that lie behind a bound, which constraint costs what.
+    pub remarks: Vec<String>,
 }
 
 /// A device with values.

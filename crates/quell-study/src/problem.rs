@@ -5,12 +5,13 @@ use std::sync::Arc;
 use quell_document::Fault;
 use quell_search::{Pieces, Problem, Variable};
 
+use crate::amount::Amount;
 use crate::built::{Built, Values};
 use crate::candidates::{Candidate, Candidates};
-use crate::evaluator::{Evaluator, EvaluatorScratch};
+use crate::evaluator::{Evaluator, EvaluatorScratch, Missed};
 use crate::outcome::Evaluated;
 use crate::situation::{self, Situation};
-use crate::study::{DesignTask, Sense, Study, TaskKind};
+use crate::study::{Constraint, DesignTask, Objective, Sense, Study, TaskKind};
 
 /// A criterion with its direction and, for a constraint, its bound (SI).
 #[derive(Debug, Clone, Copy)]
@@ -76,6 +77,24 @@ impl Verdict {
     }
 }
 
+impl DesignTask {
+    /// The task with one objective and bounds (SI) on others.
+    pub(crate) fn bounded(&self, objective: &Objective, bounds: &[(Objective, f64)]) -> Self {
+        let mut task = self.clone();
+        task.objective.clone_from(&objective.criterion);
+        task.sense = objective.sense;
+        task.further.clear();
+        task.constraints
+            .extend(bounds.iter().map(|(bounded, bound)| Constraint {
+                criterion: bounded.criterion.clone(),
+                sense: bounded.sense,
+                bound: Amount::si(*bound),
+                swept: Some(*bound),
+            }));
+        task
+    }
+}
+
 /// Minimise (the sign applied) one criterion of a candidate under constraints on others.
 #[derive(Debug)]
 pub struct DesignProblem {
@@ -134,11 +153,16 @@ impl DesignProblem {
     /// # Errors
     /// Where the host is singular at a frequency that is added.
     pub fn refine(&mut self, point: &[f64]) -> Result<bool, Fault> {
+        Ok(!self.refined(point)?.is_empty())
+    }
+
+    /// [`Self::refine`], with what was missed.
+    pub(crate) fn refined(&mut self, point: &[f64]) -> Result<Missed, Fault> {
         let mut scratch = EvaluatorScratch::default();
         self.evaluator.built().values(point, &mut scratch.values);
         let (_, missed) = self.evaluator.certified(&mut scratch);
         self.evaluator.add_frequencies(&missed)?;
-        Ok(!missed.is_empty())
+        Ok(missed)
     }
 }
 
@@ -162,9 +186,8 @@ pub(crate) fn constraints(
         .iter()
         .map(|constraint| {
             let criterion = index(evaluator, &constraint.criterion)?;
-            let bound = constraint
-                .bound
-                .value(&situation.parameters, evaluator.dimension(criterion))?;
+            let dimension = evaluator.dimension(criterion);
+            let bound = constraint.bound(&situation.parameters, dimension)?;
             Ok(Goal {
                 criterion,
                 sense: constraint.sense,

@@ -2,12 +2,15 @@
 
 use indexmap::IndexMap;
 
-use crate::outcome::{BuiltDevice, Evaluated, Findings, TaskOutcome};
-use crate::results::{
-    ConfigurationResult, DesignResult, DeviceResult, EngineFacts, FORMAT, ReferenceResult, Results,
-    StudyFacts, SweepPoint, TaskBody, TaskFindings, TaskResult,
+use crate::outcome::{
+    BuiltDevice, Design, Evaluated, Findings, FrontFindings, Reference, TaskOutcome,
 };
-use crate::study::Study;
+use crate::results::{
+    ConfigurationResult, DesignResult, DeviceResult, EngineFacts, FORMAT, LayoutFrontResult,
+    ObjectiveResult, ReferenceResult, Results, StudyFacts, SweepPoint, TaskBody, TaskFindings,
+    TaskResult,
+};
+use crate::study::{Sense, Study};
 
 /// The stable extract of what a run found.
 pub(crate) fn of(
@@ -89,37 +92,8 @@ fn findings(found: &Findings) -> (String, TaskFindings) {
             ("done".to_owned(), TaskFindings::Evaluate { configurations })
         }
         Findings::Design(design) => {
-            let references = design
-                .references
-                .iter()
-                .map(|one| {
-                    let result = ReferenceResult {
-                        configuration: configuration(&one.configuration),
-                        feasible: one.feasible,
-                        violation: one.violation,
-                    };
-                    (one.configuration.name.clone(), result)
-                })
-                .collect();
-            let designs: Vec<DesignResult> = design
-                .designs
-                .iter()
-                .map(|one| DesignResult {
-                    rank: one.rank,
-                    devices: devices(&one.configuration.devices),
-                    objective: one.objective,
-                    criteria: one.configuration.criteria.clone(),
-                    details: one.configuration.details.clone(),
-                    improvement: one.improvement.clone(),
-                    feasible: one.feasible,
-                    violation: one.violation,
-                    active_bounds: one.active_bounds.clone(),
-                    starts: one.starts,
-                    starts_agreeing: one.starts_agreeing,
-                    evaluations: one.evaluations,
-                    status: one.status.clone(),
-                })
-                .collect();
+            let references = references(&design.references);
+            let designs: Vec<DesignResult> = design.designs.iter().map(design_result).collect();
             let status = if designs.iter().any(|one| one.feasible) {
                 "done"
             } else {
@@ -133,6 +107,77 @@ fn findings(found: &Findings) -> (String, TaskFindings) {
                 },
             )
         }
+        Findings::Front(front) => {
+            let status = if front.common().is_empty() {
+                "infeasible"
+            } else {
+                "done"
+            };
+            (status.to_owned(), front_result(front))
+        }
+    }
+}
+
+fn references(all: &[Reference]) -> IndexMap<String, ReferenceResult> {
+    all.iter()
+        .map(|one| {
+            let result = ReferenceResult {
+                configuration: configuration(&one.configuration),
+                feasible: one.feasible,
+                violation: one.violation,
+            };
+            (one.configuration.name.clone(), result)
+        })
+        .collect()
+}
+
+fn design_result(one: &Design) -> DesignResult {
+    DesignResult {
+        rank: one.rank,
+        devices: devices(&one.configuration.devices),
+        objective: one.objective,
+        criteria: one.configuration.criteria.clone(),
+        details: one.configuration.details.clone(),
+        improvement: one.improvement.clone(),
+        feasible: one.feasible,
+        violation: one.violation,
+        violations: one.violations.clone(),
+        active_bounds: one.active_bounds.clone(),
+        starts: one.starts,
+        starts_agreeing: one.starts_agreeing,
+        evaluations: one.evaluations,
+        status: one.status.clone(),
+        remarks: one.remarks.clone(),
+    }
+}
+
+fn front_result(front: &FrontFindings) -> TaskFindings {
+    TaskFindings::Front {
+        objectives: front
+            .objectives
+            .iter()
+            .map(|objective| ObjectiveResult {
+                criterion: objective.criterion.clone(),
+                sense: match objective.sense {
+                    Sense::Minimise => "minimise",
+                    Sense::Maximise => "maximise",
+                },
+            })
+            .collect(),
+        method: front.method.clone(),
+        references: references(&front.references),
+        fronts: front
+            .layouts
+            .iter()
+            .map(|layout| LayoutFrontResult {
+                layout: layout.layout.clone(),
+                points: layout
+                    .points
+                    .iter()
+                    .map(|point| design_result(&point.design))
+                    .collect(),
+            })
+            .collect(),
     }
 }
 

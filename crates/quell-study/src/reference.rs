@@ -49,6 +49,10 @@ impl<'a> Reference<'a> {
             .cloned()
             .unwrap_or_else(|| quell_network::Kinds::new(domain));
         match Layout::parse(name, &kinds) {
+            Ok(_) if !design.further.is_empty() => Err(fault(
+                "for several objectives no one design of a layout is the best".to_owned(),
+            )
+            .help("refer to a configuration of an `evaluate` task, or list the layout under `candidates`")),
             Ok(layout) => Ok(Self::Layout(Candidate {
                 layouts: vec![(slot.clone(), layout, span)],
             })),

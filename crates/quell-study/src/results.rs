@@ -99,6 +99,17 @@ pub enum TaskFindings {
         /// Best first.
         designs: Vec<DesignResult>,
     },
+    /// Of a `design` task with several objectives.
+    Front {
+        /// The objectives, in order.
+        objectives: Vec<ObjectiveResult>,
+        /// How the fronts were found.
+        method: String,
+        /// By name of the reference.
+        references: IndexMap<String, ReferenceResult>,
+        /// The front of each layout.
+        fronts: Vec<LayoutFrontResult>,
+    },
 }
 
 /// A device as it was built.
@@ -219,6 +230,9 @@ pub struct DesignResult {
     pub feasible: bool,
     /// Largest relative violation of a constraint; 0 where feasible.
     pub violation: f64,
+    /// Where a constraint is missed: how far each is, by constraint; 0 for those that hold.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
+    pub violations: IndexMap<String, f64>,
     /// Names of the variables that stand at a bound, with the side: `track1.dL = lower`.
     pub active_bounds: Vec<String>,
     /// Independent starts of the search.
@@ -229,4 +243,27 @@ pub struct DesignResult {
     pub evaluations: u64,
     /// How the search ended, in words.
     pub status: String,
+    /// What else should be known, in words: values that hardly matter, layouts that lie behind a bound.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<String>,
+}
+
+/// An objective of a task that has several.
+#[derive(Debug, Clone, Serialize)]
+pub struct ObjectiveResult {
+    /// Name of the criterion.
+    pub criterion: String,
+    /// `minimise` or `maximise`.
+    pub sense: &'static str,
+}
+
+/// The front of one layout.
+#[derive(Debug, Clone, Serialize)]
+pub struct LayoutFrontResult {
+    /// The layout.
+    pub layout: String,
+    /// Its points, the best of the first objective first. `rank` is the place on the front of all layouts together, 0 for a
+    /// point that a design of another layout beats in every objective; `objective` is the criterion that was searched to
+    /// find the point.
+    pub points: Vec<DesignResult>,
 }

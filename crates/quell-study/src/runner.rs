@@ -2,18 +2,25 @@
 
 mod candidate;
 mod design;
+mod front;
+mod recorder;
+mod remarks;
+mod starts;
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use indexmap::IndexMap;
 use quell_document::Fault;
 
+use self::recorder::Recorder;
 use crate::candidates::Candidates;
 use crate::configuration::{configuration, evaluated};
-use crate::outcome::{Findings, NamedValue, Plot, PointOutcome, Role, RunOutcome, TaskOutcome};
+use crate::outcome::{Findings, Plot, PointOutcome, Role, RunOutcome, TaskOutcome};
 use crate::plots::Curves;
 use crate::situation::{self, Situation};
+use crate::store::{Store, StoreError};
 use crate::study::{ConfigurationSpec, Study, Task, TaskKind};
 use crate::sweep::sweep_points;
 
@@ -32,8 +39,12 @@ pub struct RunSettings {
 pub trait Progress: Sync {
     /// A task begins that has so many units of work.
     fn begin(&self, task: &str, units: u64);
-    /// A unit is done; `best` says in words what is the best so far.
+    /// A unit is done; `best` says in words what is the best so far. With a store, what it took is on the disk.
     fn advance(&self, best: &str);
+    /// So many pieces of work of this run came from the store.
+    fn restored(&self, pieces: u64) {
+        let _ = pieces;
+    }
 }
 
 /// Nobody wants to know.
@@ -54,13 +65,18 @@ pub enum RunError {
     Study(Box<Fault>),
     /// The threads could not be started.
     Threads(Box<Fault>),
+    /// The run store failed; what was finished before is in it.
+    Store(Box<Fault>),
 }
 
 impl RunError {
     /// What to tell the user.
     pub fn fault(&self) -> &Fault {
         match self {
-            Self::NoSuchTask(fault) | Self::Study(fault) | Self::Threads(fault) => fault,
+            Self::NoSuchTask(fault)
+            | Self::Study(fault)
+            | Self::Threads(fault)
+            | Self::Store(fault) => fault,
         }
     }
 }
@@ -79,6 +95,16 @@ impl From<Fault> for RunError {
     }
 }
 
+impl RunSettings {
+    /// Whether the study has the tasks that are to be run.
+    ///
+    /// # Errors
+    /// [`RunError::NoSuchTask`].
+    pub fn check(&self, study: &Study) -> Result<(), RunError> {
+        chosen_tasks(study, &self.tasks).map(drop)
+    }
+}
+
 /// Runs a study.
 ///
 /// The same study, seed and version give the same designs on any number of threads: every start has a random stream of
@@ -91,6 +117,46 @@ pub fn run(
     study: &Study,
     settings: &RunSettings,
     progress: &dyn Progress,
+) -> Result<RunOutcome, RunError> {
+    let failure = OnceLock::new();
+    recorded(study, settings, Recorder::forgetful(progress, &failure))
+}
+
+/// Runs a study as [`run`] does, and keeps every finished piece of work in a store. What the store holds already, from a
+/// run of the same study that was interrupted, is taken from there: the designs are the same, bit for bit, as those of a
+/// run that was not.
+///
+/// # Errors
+/// As [`run`], and [`RunError::Store`] where the store cannot be written.
+pub fn run_with_store(
+    study: &Study,
+    settings: &RunSettings,
+    progress: &dyn Progress,
+    store: &Store,
+) -> Result<RunOutcome, RunError> {
+    let failure = OnceLock::new();
+    let (recorder, writer) = Recorder::to(store, progress, &failure);
+    let outcome = std::thread::scope(|scope| {
+        scope.spawn(|| writer.run());
+        recorded(study, settings, recorder)
+    });
+    // The last units may fail after the last task has looked.
+    match failure.get() {
+        Some(error) => Err(RunError::from(error)),
+        None => outcome,
+    }
+}
+
+impl From<&StoreError> for RunError {
+    fn from(error: &StoreError) -> Self {
+        Self::Store(Box::new(recorder::fault(error)))
+    }
+}
+
+fn recorded(
+    study: &Study,
+    settings: &RunSettings,
+    recorder: Recorder<'_>,
 ) -> Result<RunOutcome, RunError> {
     let started = Instant::now();
     let chosen = chosen_tasks(study, &settings.tasks)?;
@@ -107,7 +173,7 @@ pub fn run(
     let runner = Runner {
         study,
         settings,
-        progress,
+        recorder: &recorder,
         evaluations: &evaluations,
     };
     let mut tasks = Vec::new();
@@ -123,7 +189,11 @@ pub fn run(
         evaluations.load(Ordering::Relaxed),
         &tasks,
     );
-    Ok(RunOutcome { results, tasks })
+    Ok(RunOutcome {
+        results,
+        tasks,
+        restored: recorder.restored(),
+    })
 }
 
 fn chosen_tasks<'a>(study: &'a Study, names: &[String]) -> Result<Vec<&'a Task>, RunError> {
@@ -148,7 +218,7 @@ fn chosen_tasks<'a>(study: &'a Study, names: &[String]) -> Result<Vec<&'a Task>,
 struct Runner<'a> {
     study: &'a Study,
     settings: &'a RunSettings,
-    progress: &'a dyn Progress,
+    recorder: &'a Recorder<'a>,
     evaluations: &'a AtomicU64,
 }
 
@@ -160,31 +230,24 @@ impl Runner<'_> {
             TaskKind::Design(design) => Candidates::of(design).count(),
         };
         let units = units.saturating_mul(points.len() as u128);
-        self.progress
+        self.recorder
             .begin(&task.name, u64::try_from(units).unwrap_or(u64::MAX));
-        let swept = !task.sweep.is_empty();
         let points = points
             .into_iter()
             .map(|at| {
-                let situation = situation::build(&self.study.host, &self.study.overrides, &at)?;
+                let situation =
+                    situation::build(&self.study.host, &self.study.overrides, &at.parameters())?;
                 let (findings, plots) = match &task.kind {
                     TaskKind::Evaluate(configurations) => {
                         self.evaluate(&situation, configurations)?
                     }
-                    TaskKind::Design(design) => self.design(&situation, design)?,
+                    TaskKind::Design(design) if !design.further.is_empty() => {
+                        self.front(&situation, design)?
+                    }
+                    TaskKind::Design(design) => self.design(&situation, &at.design(design))?,
                 };
-                let at = at
-                    .into_iter()
-                    .filter(|_| swept)
-                    .map(|(name, quantity)| NamedValue {
-                        name,
-                        value: quantity.value,
-                        unit: quantity.dimension.unit_text(),
-                        bounds: None,
-                        logarithmic: false,
-                    });
                 Ok(PointOutcome {
-                    at: at.collect(),
+                    at: at.named(),
                     findings,
                     plots,
                 })
@@ -208,7 +271,7 @@ impl Runner<'_> {
             all.push(evaluated(name, &evaluator, &[]));
             self.evaluations.fetch_add(1, Ordering::Relaxed);
             curves.add(self.study, &evaluator, &[], name, Role::Configuration);
-            self.progress.advance(name);
+            self.recorder.advance(name);
         }
         Ok((Findings::Evaluate(all), curves.finish()))
     }

@@ -25,8 +25,11 @@ impl Study {
     /// # Errors
     /// Whatever is wrong with the host at these parameters.
     pub fn standing(&self, at: &[NamedValue]) -> Result<Standing, Fault> {
+        let known = self.host.parameters(&[])?;
         let at: Vec<(String, Quantity)> = at
             .iter()
+            // Bounds of constraints are swept too, and are none of the host's.
+            .filter(|value| known.iter().any(|(name, _)| *name == value.name))
             .map(|value| {
                 let dimension =
                     Unit::parse(&value.unit).map_or(Dimension::NONE, |unit| unit.dimension);

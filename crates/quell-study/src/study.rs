@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use indexmap::IndexMap;
-use quell_document::{Document, Source};
-use quell_expression::{Expression, Span, Unit};
+use quell_document::{Document, Fault, Source};
+use quell_expression::{Dimension, Expression, Scope, Span, Unit};
 use quell_model::HostFile;
 use quell_network::{Domain, Kinds, Layout};
 use quell_search::Scale;
@@ -287,6 +287,21 @@ pub struct Constraint {
     pub sense: Sense,
     /// The bound.
     pub bound: Amount,
+    /// What stands in the bound's place at a point of a sweep over it, SI.
+    pub swept: Option<f64>,
+}
+
+impl Constraint {
+    /// The bound, SI, for a criterion of this dimension.
+    ///
+    /// # Errors
+    /// A bound of another dimension.
+    pub fn bound(&self, scope: &dyn Scope, dimension: Dimension) -> Result<f64, Fault> {
+        match self.swept {
+            Some(value) => Ok(value),
+            None => self.bound.value(scope, dimension),
+        }
+    }
 }
 
 /// What is asked of the study.
@@ -318,6 +333,10 @@ pub struct DesignTask {
     pub objective: String,
     /// Which way is good.
     pub sense: Sense,
+    /// Objectives after the first: then the task asks for a front.
+    pub further: Vec<Objective>,
+    /// Points of the front for each layout, ends included.
+    pub front_points: usize,
     /// What must hold.
     pub constraints: Vec<Constraint>,
     /// Configurations by name, or layouts designed under the same bounds.
@@ -330,10 +349,43 @@ pub struct DesignTask {
     pub bounds: IndexMap<String, Bounds>,
     /// Independent starts for each layout; left out: chosen from the number of variables.
     pub starts: Option<usize>,
+    /// Starts are added until so many agree.
+    pub agree: Option<Agree>,
     /// Relative feasibility tolerance.
     pub feasibility: f64,
     /// Where the task's objective stands.
     pub place: Span,
+}
+
+impl DesignTask {
+    /// All objectives, in order.
+    pub fn objectives(&self) -> Vec<Objective> {
+        let first = Objective {
+            criterion: self.objective.clone(),
+            sense: self.sense,
+        };
+        std::iter::once(first)
+            .chain(self.further.iter().cloned())
+            .collect()
+    }
+}
+
+/// A criterion and which way it is good.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Objective {
+    /// Name of the criterion.
+    pub criterion: String,
+    /// Which way is good.
+    pub sense: Sense,
+}
+
+/// How far the effort of a search is raised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Agree {
+    /// Until so many starts agree on the best.
+    pub starts: usize,
+    /// But no more starts than these; left out: ten times the first ones.
+    pub most: Option<usize>,
 }
 
 /// Where a layout goes: a whole device, or a placeholder in a device's layout.
@@ -372,18 +424,29 @@ pub struct ConfigurationSpec {
     pub span: Span,
 }
 
-/// One swept parameter.
+/// What a sweep moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Swept {
+    /// A parameter of the host.
+    Parameter,
+    /// The bound of the task's constraint on a criterion.
+    Bound,
+}
+
+/// One swept parameter or bound.
 #[derive(Debug, Clone)]
 pub struct SweepAxis {
-    /// The host's parameter.
-    pub parameter: String,
+    /// The host's parameter, or the criterion that the constraint is on.
+    pub name: String,
+    /// Which of the two.
+    pub what: Swept,
     /// Where its name stands.
     pub span: Span,
     /// Its values.
     pub values: SweepValues,
 }
 
-/// The values of a swept parameter.
+/// The values of a swept parameter or bound.
 #[derive(Debug, Clone)]
 pub enum SweepValues {
     /// From, to, number of points.

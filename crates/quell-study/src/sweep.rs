@@ -1,30 +1,84 @@
 //! The points of a sweep: every combination of the values of its axes.
 
+use std::borrow::Cow;
+
 use quell_document::Fault;
-use quell_expression::Quantity;
+use quell_expression::{Dimension, Quantity};
 use quell_search::Scale;
 
+use crate::candidates::Candidates;
+use crate::outcome::NamedValue;
+use crate::problem::DesignProblem;
 use crate::situation::{self, Situation};
-use crate::study::{Study, SweepAxis, SweepRange, SweepValues, Task};
+use crate::study::{DesignTask, Study, SweepAxis, SweepRange, SweepValues, Swept, Task, TaskKind};
+
+/// The values of the axes at one point of a sweep.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SweepPoint {
+    values: Vec<(Swept, String, Quantity)>,
+}
+
+impl SweepPoint {
+    fn of(&self, what: Swept) -> impl Iterator<Item = (&String, &Quantity)> {
+        self.values
+            .iter()
+            .filter(move |(known, _, _)| *known == what)
+            .map(|(_, name, value)| (name, value))
+    }
+
+    /// Those of the host's parameters.
+    pub(crate) fn parameters(&self) -> Vec<(String, Quantity)> {
+        self.of(Swept::Parameter)
+            .map(|(name, value)| (name.clone(), *value))
+            .collect()
+    }
+
+    /// The task with the bounds of this point.
+    pub(crate) fn design<'a>(&self, design: &'a DesignTask) -> Cow<'a, DesignTask> {
+        if self.of(Swept::Bound).next().is_none() {
+            return Cow::Borrowed(design);
+        }
+        let mut design = design.clone();
+        for (name, value) in self.of(Swept::Bound) {
+            for constraint in &mut design.constraints {
+                if constraint.criterion == *name {
+                    constraint.swept = Some(value.value);
+                }
+            }
+        }
+        Cow::Owned(design)
+    }
+
+    /// The values in the order of the axes, SI.
+    pub(crate) fn named(&self) -> Vec<NamedValue> {
+        self.values
+            .iter()
+            .map(|(_, name, quantity)| NamedValue {
+                name: name.clone(),
+                value: quantity.value,
+                unit: quantity.dimension.unit_text(),
+                bounds: None,
+                logarithmic: false,
+            })
+            .collect()
+    }
+}
 
 /// The sets of swept values, in the order of the sweep (the last axis runs fastest).
-pub(crate) fn sweep_points(
-    study: &Study,
-    task: &Task,
-) -> Result<Vec<Vec<(String, Quantity)>>, Fault> {
-    let mut points: Vec<Vec<(String, Quantity)>> = vec![Vec::new()];
+pub(crate) fn sweep_points(study: &Study, task: &Task) -> Result<Vec<SweepPoint>, Fault> {
+    let mut points = vec![SweepPoint::default()];
     if task.sweep.is_empty() {
         return Ok(points);
     }
     let standing = situation::build(&study.host, &study.overrides, &[])?;
     for axis in &task.sweep {
-        let values = axis_values(study, axis, &standing)?;
+        let values = axis_values(study, task, axis, &standing)?;
         points = points
             .iter()
             .flat_map(|point| {
                 values.iter().map(|value| {
                     let mut point = point.clone();
-                    point.push((axis.parameter.clone(), *value));
+                    point.values.push((axis.what, axis.name.clone(), *value));
                     point
                 })
             })
@@ -33,23 +87,46 @@ pub(crate) fn sweep_points(
     Ok(points)
 }
 
+/// The dimension of what an axis moves.
+fn axis_dimension(
+    study: &Study,
+    task: &Task,
+    axis: &SweepAxis,
+    standing: &Situation,
+) -> Result<Dimension, Fault> {
+    let missing = |what: &str| {
+        let message = format!("there is no {what} `{}` to sweep", axis.name);
+        Fault::at(&study.source, axis.span, message)
+    };
+    match (axis.what, &task.kind) {
+        (Swept::Bound, TaskKind::Design(design)) => {
+            // A criterion has its dimension once it is compiled; every layout gives it the same.
+            let candidate = Candidates::of(design)
+                .iter()
+                .next()
+                .ok_or_else(|| missing("bound"))?;
+            let problem = DesignProblem::of(study, standing, design, &candidate)?;
+            let index = problem.evaluator.index(&axis.name);
+            index
+                .map(|index| problem.evaluator.dimension(index))
+                .ok_or_else(|| missing("bound"))
+        }
+        _ => standing
+            .parameters
+            .iter()
+            .find(|(name, _)| *name == axis.name)
+            .map(|(_, known)| known.dimension)
+            .ok_or_else(|| missing("parameter")),
+    }
+}
+
 fn axis_values(
     study: &Study,
+    task: &Task,
     axis: &SweepAxis,
     standing: &Situation,
 ) -> Result<Vec<Quantity>, Fault> {
-    let Some((_, known)) = standing
-        .parameters
-        .iter()
-        .find(|(name, _)| *name == axis.parameter)
-    else {
-        return Err(Fault::at(
-            &study.source,
-            axis.span,
-            format!("the host has no parameter `{}`", axis.parameter),
-        ));
-    };
-    let dimension = known.dimension;
+    let dimension = axis_dimension(study, task, axis, standing)?;
     let numbers = match &axis.values {
         SweepValues::List(amounts) => amounts
             .iter()

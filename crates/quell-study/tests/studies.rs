@@ -46,7 +46,9 @@ fn sweep_designs<'a>(results: &'a Results, task: &str) -> Vec<(&'a f64, &'a Desi
             TaskFindings::Design { designs, .. } => {
                 (point.at.values().next().unwrap(), &designs[0])
             }
-            TaskFindings::Evaluate { .. } => panic!("{task} is no design"),
+            TaskFindings::Evaluate { .. } | TaskFindings::Front { .. } => {
+                panic!("{task} is no design")
+            }
         })
         .collect()
 }

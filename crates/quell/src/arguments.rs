@@ -57,11 +57,12 @@ Examples:
   quell run studies/tuned-mass-damper.toml --task peak --seed 7 --out runs/peak-7
   quell run studies/tuned-mass-damper.toml --force      start afresh over an earlier run
 
+A run that is interrupted loses nothing that was finished: the same command goes on with it.
 The same study, seed and version give the same designs on any number of threads.")]
 pub(crate) struct RunOptions {
     /// The study file
     pub(crate) study: PathBuf,
-    /// Folder for results.json and report.html [default: runs/STUDY-NAME]
+    /// Folder for results.json, report.html and the store of finished work [default: runs/STUDY-NAME]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Run this task only (may be given several times)
@@ -73,7 +74,7 @@ pub(crate) struct RunOptions {
     /// Threads [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
-    /// Overwrite an earlier run in the folder
+    /// Begin anew, over an earlier or interrupted run in the folder
     #[arg(long)]
     pub(crate) force: bool,
 }

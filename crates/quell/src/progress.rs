@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use quell_study::Progress;
@@ -10,6 +11,7 @@ use quell_study::Progress;
 pub(crate) struct Bar {
     bar: Mutex<ProgressBar>,
     shown: bool,
+    restored: AtomicU64,
 }
 
 impl Bar {
@@ -17,6 +19,7 @@ impl Bar {
         Self {
             bar: Mutex::new(ProgressBar::hidden()),
             shown: std::io::stderr().is_terminal(),
+            restored: AtomicU64::new(0),
         }
     }
 
@@ -60,8 +63,15 @@ impl Progress for Bar {
         if self.shown {
             self.with(|bar| {
                 bar.inc(1);
-                bar.set_message(best.to_owned());
+                bar.set_message(match self.restored.load(Ordering::Relaxed) {
+                    0 => best.to_owned(),
+                    pieces => format!("{best} ({pieces} starts from the interrupted run)"),
+                });
             });
         }
+    }
+
+    fn restored(&self, pieces: u64) {
+        self.restored.fetch_max(pieces, Ordering::Relaxed);
     }
 }

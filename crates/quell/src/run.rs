@@ -1,10 +1,10 @@
 //! `quell run`: the shortlist on the terminal, `results.json` and `report.html` in a folder.
 
-use std::fmt::Write as _;
-
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use quell_study::store::{Origin, Store, StoreError};
 use quell_study::{RunError, RunSettings, Study};
 
 use crate::arguments::RunOptions;
@@ -12,44 +12,90 @@ use crate::progress::Bar;
 use crate::shortlist;
 use crate::terminal::{self, Exit};
 
+const RESULTS: &str = "results.json";
+const REPORT: &str = "report.html";
+
 pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
     let study = Study::read(&options.study).map_err(|fault| Exit::Study(Box::new(fault)))?;
     let folder = match &options.out {
         Some(folder) => folder.clone(),
         None => default_folder(&options.study)?,
     };
-    refuse_to_overwrite(&folder, options.force)?;
     let settings = RunSettings {
         seed: options.seed,
         threads: options.threads.map(usize::from),
         tasks: options.task.clone(),
     };
+    // Before an earlier run gives way to one that cannot be.
+    settings.check(&study).map_err(exit)?;
+    refuse_to_overwrite(&folder, options.force)?;
     let made = prepare(&folder)?;
+    let store = open(&study, &folder, options.force)?;
     let bar = Bar::new();
-    let outcome = quell_study::run(&study, &settings, &bar);
+    let outcome = quell_study::run_with_store(&study, &settings, &bar, &store);
     bar.finish();
-    let outcome = outcome.map_err(|error| {
-        // A study that cannot run leaves no empty folder behind; one that was there stays.
-        if made {
-            let _ = fs::remove_dir(&folder);
+    let outcome = match outcome {
+        Ok(outcome) => outcome,
+        Err(error) => {
+            // A study that cannot run leaves no empty folder behind; one that was there stays.
+            if made && !matches!(error, RunError::Store(_)) && store.remove().is_ok() {
+                let _ = fs::remove_dir(&folder);
+            }
+            return Err(exit(error));
         }
-        match error {
-            RunError::Study(fault) | RunError::NoSuchTask(fault) => Exit::Study(fault),
-            RunError::Threads(fault) => Exit::Run(fault),
-        }
-    })?;
+    };
 
     let results = serde_json::to_string_pretty(&outcome.results)
         .map_err(|error| Exit::failed(format!("the results could not be written: {error}")))?;
     // The results come last: a folder that holds them holds a whole run.
-    let report = folder.join("report.html");
+    let report = folder.join(REPORT);
     write(&report, &quell_report::html(&study, &outcome))?;
-    write(&folder.join("results.json"), &format!("{results}\n"))?;
+    write(&folder.join(RESULTS), &format!("{results}\n"))?;
 
-    let mut text = shortlist::text(&study, &outcome);
-    // Writing to a string cannot fail.
-    let _ = writeln!(text, "Report: {}", report.display());
-    terminal::print(&text)
+    let text = shortlist::text(&study, &outcome);
+    terminal::print(&format!("{text}Report: {}\n", report.display()))
+}
+
+fn exit(error: RunError) -> Exit {
+    match error {
+        RunError::Study(fault) | RunError::NoSuchTask(fault) => Exit::Study(fault),
+        RunError::Threads(fault) | RunError::Store(fault) => Exit::Run(fault),
+    }
+}
+
+/// Opens the folder's store: that of an interrupted run of the same study is gone on with, any other is refused; by force
+/// whatever is there gives way.
+fn open(study: &Study, folder: &Path, force: bool) -> Result<Store, Exit> {
+    let refused = |error: StoreError| match error {
+        StoreError::Failed { reason, .. } => nothing_run(folder, &reason),
+        _ => Exit::Asked(format!("{error}; {}", error.remedy())),
+    };
+    let store = if force {
+        Store::open_anew(folder)
+    } else {
+        Store::open(folder)
+    }
+    .map_err(refused)?;
+    if force {
+        // From here on the folder holds an unfinished run, which these would hide.
+        for name in [RESULTS, REPORT] {
+            let path = folder.join(name);
+            if path.exists() {
+                fs::remove_file(&path).map_err(|error| {
+                    Exit::failed(format!(
+                        "`{}` cannot be removed, so nothing was run: {error}",
+                        path.display()
+                    ))
+                })?;
+            }
+        }
+    }
+    let origin = Origin {
+        hash: study.hash.clone(),
+        title: study.title.clone(),
+    };
+    store.claim(&origin).map_err(refused)?;
+    Ok(store)
 }
 
 fn default_folder(study: &Path) -> Result<PathBuf, Exit> {
@@ -63,7 +109,7 @@ fn default_folder(study: &Path) -> Result<PathBuf, Exit> {
 }
 
 fn refuse_to_overwrite(folder: &Path, force: bool) -> Result<(), Exit> {
-    if force || !folder.join("results.json").exists() {
+    if force || !folder.join(RESULTS).exists() {
         return Ok(());
     }
     Err(Exit::Asked(format!(
@@ -72,26 +118,29 @@ fn refuse_to_overwrite(folder: &Path, force: bool) -> Result<(), Exit> {
     )))
 }
 
-/// Makes the folder and tries it, before time is spent on what could not be kept; true where it was not there.
+/// Makes the folder, before time is spent on what could not be kept; true where it was not there.
 fn prepare(folder: &Path) -> Result<bool, Exit> {
     let made = !folder.exists();
-    let cannot = |error: std::io::Error| {
-        Exit::failed(format!(
-            "the folder `{}` cannot be written, so nothing was run: {error}",
-            folder.display()
-        ))
-    };
-    fs::create_dir_all(folder).map_err(cannot)?;
-    let trial = folder.join("results.partial");
-    fs::write(&trial, "").map_err(cannot)?;
-    fs::remove_file(&trial).map_err(cannot)?;
+    fs::create_dir_all(folder).map_err(|error| nothing_run(folder, &error))?;
     Ok(made)
+}
+
+fn nothing_run(folder: &Path, reason: &dyn std::fmt::Display) -> Exit {
+    Exit::failed(format!(
+        "the folder `{}` cannot be written, so nothing was run: {reason}",
+        folder.display()
+    ))
 }
 
 /// Writes beside the target and renames, so that a reader never sees half a file.
 fn write(path: &Path, text: &str) -> Result<(), Exit> {
     let beside = path.with_extension("partial");
-    fs::write(&beside, text)
+    fs::File::create(&beside)
+        .and_then(|mut file| {
+            file.write_all(text.as_bytes())?;
+            // A name that reaches the disk before what it names is an empty file after a power cut.
+            file.sync_all()
+        })
         .and_then(|()| fs::rename(&beside, path))
         .map_err(|error| {
             // Half a file is of no use to anybody.

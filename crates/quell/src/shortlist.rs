@@ -3,15 +3,20 @@
 use std::fmt::Write;
 
 use quell_report::number::{compact, percent, significant, unit};
-use quell_report::shown_unit;
+use quell_report::{shown_swept, shown_unit};
+use quell_study::study::Task;
 use quell_study::{
-    Design, DesignFindings, Evaluated, Findings, NamedValue, PointOutcome, RunOutcome, Sense, Study,
+    Design, DesignFindings, Evaluated, Findings, FrontFindings, NamedValue, PointOutcome,
+    RunOutcome, Sense, Study,
 };
 
 use crate::table::{Table, wrap};
 
 /// Digits of a criterion.
 const DIGITS: usize = 5;
+
+/// Points of a front that are listed.
+const MOST_OF_FRONT: usize = 15;
 
 /// Columns of a line, on a terminal and in a file alike.
 const WIDTH: usize = 100;
@@ -38,6 +43,14 @@ pub(crate) fn text(study: &Study, outcome: &RunOutcome) -> String {
         if engine.threads == 1 { "" } else { "s" },
         engine.seed
     );
+    if outcome.restored > 0 {
+        let plural = if outcome.restored == 1 { "" } else { "s" };
+        let _ = writeln!(
+            text,
+            "{} start{plural} of searches came from the interrupted run",
+            outcome.restored
+        );
+    }
     text
 }
 
@@ -48,16 +61,18 @@ struct Printer<'a> {
 impl Printer<'_> {
     fn task(&self, text: &mut String, name: &str, points: &[PointOutcome]) {
         let swept = points.iter().any(|point| !point.at.is_empty());
+        let asked = self.study.tasks.iter().find(|task| task.name == name);
         match points.first().map(|point| &point.findings) {
             None => {}
             Some(Findings::Evaluate(_)) => {
                 let _ = writeln!(text, "{name}");
-                self.evaluated(text, points, swept);
+                self.evaluated(text, asked, points, swept);
             }
+            Some(Findings::Front(findings)) => self.front(text, name, findings),
             Some(Findings::Design(findings)) => {
                 heading(text, name, findings, points, swept);
                 if swept {
-                    self.best_of_points(text, points, findings);
+                    self.best_of_points(text, asked, points, findings);
                 } else {
                     self.ranked(text, findings);
                 }
@@ -66,13 +81,19 @@ impl Printer<'_> {
     }
 
     /// A row for each configuration, at each point of a sweep.
-    fn evaluated(&self, text: &mut String, points: &[PointOutcome], swept: bool) {
+    fn evaluated(
+        &self,
+        text: &mut String,
+        asked: Option<&Task>,
+        points: &[PointOutcome],
+        swept: bool,
+    ) {
         let all: Vec<(&PointOutcome, &Evaluated)> = points
             .iter()
             .flat_map(|point| {
                 let configurations: &[Evaluated] = match &point.findings {
                     Findings::Evaluate(configurations) => configurations,
-                    Findings::Design(_) => &[],
+                    Findings::Design(_) | Findings::Front(_) => &[],
                 };
                 configurations.iter().map(move |one| (point, one))
             })
@@ -93,7 +114,7 @@ impl Printer<'_> {
         let mut table = Table::new(heading, texts);
         for (point, one) in all {
             let mut cells: Vec<String> = if swept {
-                vec![at(&point.at)]
+                vec![self.at(asked, &point.at)]
             } else {
                 Vec::new()
             };
@@ -139,8 +160,105 @@ impl Printer<'_> {
         }
     }
 
+    /// The front of all layouts together, from one end to the other.
+    fn front(&self, text: &mut String, name: &str, findings: &FrontFindings) {
+        let asked: Vec<String> = findings
+            .objectives
+            .iter()
+            .map(|objective| {
+                let word = match objective.sense {
+                    Sense::Minimise => "smallest",
+                    Sense::Maximise => "largest",
+                };
+                format!("{word} {}", objective.criterion)
+            })
+            .collect();
+        let mut line = format!(
+            "{name}: {} of {}",
+            asked.join(" against "),
+            count_of(&findings.candidates)
+        );
+        if !findings.constraints.is_empty() {
+            let _ = write!(line, ", subject to {}", findings.constraints.join(", "));
+        }
+        for broken in wrap(&line, WIDTH) {
+            let _ = writeln!(text, "{broken}");
+        }
+        let common = findings.common();
+        let Some((_, first)) = common.first() else {
+            text.push_str("  no values were found that meet every constraint\n");
+            return;
+        };
+        let example = &first.design.configuration;
+        let names: Vec<&String> = findings
+            .objectives
+            .iter()
+            .map(|objective| &objective.criterion)
+            .collect();
+        let mut heading = vec![String::new()];
+        heading.extend(names.iter().map(|name| self.headed(name, example)));
+        heading.push("starts".to_owned());
+        heading.push("layout".to_owned());
+        let mut table = Table::new(heading, 0);
+        for reference in &findings.references {
+            let one = &reference.configuration;
+            let mut cells = vec![String::new()];
+            cells.extend(names.iter().map(|name| self.value(name, one)));
+            cells.push(String::new());
+            cells.push(format!("reference {}", one.name));
+            table.row(cells, Vec::new());
+        }
+        // Both ends and points evenly between them say more of a long front than its beginning.
+        let shown = common.len().min(MOST_OF_FRONT);
+        for index in 0..shown {
+            let place = index * (common.len() - 1) / (shown - 1).max(1);
+            let Some((layout, point)) = common.get(place) else {
+                continue;
+            };
+            let one = &point.design.configuration;
+            let mut cells = vec![point.design.rank.to_string()];
+            cells.extend(names.iter().map(|name| self.value(name, one)));
+            cells.push(format!(
+                "{}/{}",
+                point.design.starts_agreeing, point.design.starts
+            ));
+            cells.push(layout.layout.clone());
+            let values = values(one, &point.design.active_bounds);
+            table.row(
+                cells,
+                Some(values)
+                    .filter(|values| !values.is_empty())
+                    .into_iter()
+                    .collect(),
+            );
+        }
+        text.push_str(&table.text(2, WIDTH));
+        if common.len() > shown {
+            let more = common.len() - shown;
+            let _ = writeln!(text, "  … and {more} between them in the report");
+        }
+        let without: Vec<&str> = findings
+            .layouts
+            .iter()
+            .filter(|layout| layout.points.iter().all(|point| point.rank.is_none()))
+            .map(|layout| layout.layout.as_str())
+            .collect();
+        if !without.is_empty() {
+            let line = format!("Nowhere on the front: {}", without.join(" ; "));
+            for broken in wrap(&line, WIDTH - 2) {
+                let _ = writeln!(text, "  {broken}");
+            }
+        }
+    }
+
     /// The best design at each point of a sweep.
-    fn best_of_points(&self, text: &mut String, points: &[PointOutcome], first: &DesignFindings) {
+    fn best_of_points(
+        &self,
+        text: &mut String,
+        asked: Option<&Task>,
+        points: &[PointOutcome],
+        first: &DesignFindings,
+    ) {
         let Some(best) = first.designs.first() else {
             text.push_str("  no layouts\n");
             return;
@@ -152,7 +270,13 @@ impl Printer<'_> {
                 continue;
             };
             if let Some(best) = findings.designs.first() {
-                self.design_row(&mut table, at(&point.at), best, findings, &names);
+                self.design_row(
+                    &mut table,
+                    self.at(asked, &point.at),
+                    best,
+                    findings,
+                    &names,
+                );
             }
         }
         text.push_str(&table.text(2, WIDTH));
@@ -222,7 +346,28 @@ impl Printer<'_> {
             };
             under.push(format!("{}{tried}", not_feasible(found.violation)));
         }
+        if found.rank == 1 {
+            // Of the others the report tells.
+            under.extend(found.remarks.iter().cloned());
+        }
         table.row(cells, under);
+    }
+
+    /// Where a point of a sweep lies; bounds in the units of their criteria.
+    fn at(&self, asked: Option<&Task>, values: &[NamedValue]) -> String {
+        let values: Vec<String> = values
+            .iter()
+            .map(|value| {
+                let (number, text) = shown_swept(self.study, asked, value);
+                let shown = NamedValue {
+                    value: number,
+                    unit: text.to_owned(),
+                    ..value.clone()
+                };
+                quantity(&value.name, &shown)
+            })
+            .collect();
+        values.join(", ")
     }
 
     /// A criterion's name with its unit.
@@ -253,6 +398,13 @@ fn not_feasible(violation: f64) -> String {
     format!("NOT FEASIBLE: a constraint is missed{by}")
 }
 
+/// How layouts were told apart is in the report; here the number is enough.
+fn count_of(candidates: &str) -> &str {
+    candidates
+        .split_once(',')
+        .map_or(candidates, |(count, _)| count)
+}
+
 /// What is asked of a design task, in a line.
 fn heading(
     text: &mut String,
@@ -265,11 +417,7 @@ fn heading(
         Sense::Minimise => "smallest",
         Sense::Maximise => "largest",
     };
-    // How layouts were told apart is in the report; here the number is enough.
-    let candidates = findings
-        .candidates
-        .split_once(',')
-        .map_or(findings.candidates.as_str(), |(count, _)| count);
+    let candidates = count_of(&findings.candidates);
     let mut line = format!("{name}: {word} {} of {candidates}", findings.objective);
     if !findings.constraints.is_empty() {
         let _ = write!(line, ", subject to {}", findings.constraints.join(", "));
@@ -332,16 +480,7 @@ fn remarks(one: &Evaluated, names: &[&String]) -> String {
     remarks.join(", ")
 }
 
-fn at(values: &[NamedValue]) -> String {
-    let values: Vec<String> = values.iter().map(named).collect();
-    values.join(", ")
-}
-
 /// `k1 = 180 N/m`, held together by no-break spaces.
-fn named(value: &NamedValue) -> String {
-    quantity(&value.name, value)
-}
-
 fn quantity(name: &str, value: &NamedValue) -> String {
     let number = compact(value.value, DIGITS);
     if value.unit.is_empty() {

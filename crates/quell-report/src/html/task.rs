@@ -54,6 +54,7 @@ fn results(
         @for (index, plot) in task.plots.iter().enumerate() { (figure(plot, &format!("{id}-plot-{index}"))) }
         @if task.kind == TaskKind::Design && (task.criteria.len() > 1 || !task.references.is_empty()) { (comparison(task, designs.first())) }
         @if designs.len() > 1 { (ranks(task, designs)) }
+        @if !task.front.is_empty() { (front(task)) }
     }
 }
 
@@ -84,6 +85,7 @@ fn winner(task: &TaskSection, best: &Design, designs: usize) -> Markup {
                     " · " (grouped(best.evaluations)) " evaluations"
                     @if !best.certificate.is_empty() { " · " (best.certificate) }
                 }
+                @for remark in &best.remarks { p.evidence { (prose(remark)) } }
             }
         }
     }
@@ -139,6 +141,34 @@ fn comparison(task: &TaskSection, best: Option<&Design>) -> Markup {
                 }
             }
         } }
+    }
+}
+
+/// The designs of a front, from one end to the other.
+fn front(task: &TaskSection) -> Markup {
+    html! {
+        h3 { "Designs on the front" }
+        table.ranks {
+            thead { tr {
+                th.number { "No." } th { "Network" } th { "Values" }
+                @for column in &task.criteria { (criterion_head(column)) }
+                th.number { "Starts" }
+            } }
+            tbody {
+                @for design in &task.front {
+                    tr {
+                        td.number.rank { (design.rank) }
+                        td.drawn { (small(&design.devices)) }
+                        td.chosen { (values_line(&design.devices)) }
+                        @for (index, column) in task.criteria.iter().enumerate() { (criterion_cell(design.criteria.get(index), column)) }
+                        td.number data-label="starts agreeing" { (starts_in_short(design, "/")) }
+                    }
+                }
+            }
+        }
+        @if task.front.iter().any(|design| any_active(&design.devices)) {
+            p.key { span.bound { "▾" } " at its lower bound, " span.bound { "▴" } " at its upper bound" }
+        }
     }
 }
 

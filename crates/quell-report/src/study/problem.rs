@@ -232,6 +232,15 @@ pub(super) fn evaluated(
                 .map(|one| &one.configuration)
                 .chain(design.designs.iter().map(|one| &one.configuration)),
         ),
+        Findings::Front(front) => Box::new(
+            front.references.iter().map(|one| &one.configuration).chain(
+                front
+                    .layouts
+                    .iter()
+                    .flat_map(|layout| &layout.points)
+                    .map(|point| &point.design.configuration),
+            ),
+        ),
     }
 }
 

@@ -2,13 +2,14 @@
 
 use std::fmt::Write as _;
 
-use quell_study::study::{DesignTask, TaskKind as Asked};
+use quell_study::study::{DesignTask, Swept, Task, TaskKind as Asked};
 use quell_study::{
-    Design, DesignFindings, Evaluated, Findings, NamedValue, Over, PointOutcome, Role, RunOutcome,
+    Design, Evaluated, Findings, NamedValue, Over, PointOutcome, Reference, Role, RunOutcome,
     Sense, TaskOutcome,
 };
 
-use super::{Bridge, shown_unit};
+use super::front::front_words;
+use super::{Bridge, shown_swept, shown_unit};
 use crate::number::{compact, significant, unit};
 use crate::page::{
     self, Configuration, CriterionColumn, CriterionValue, EnergyBars, EnergyPart, Parameter,
@@ -57,7 +58,10 @@ impl Bridge<'_> {
                 .iter()
                 .map(|axis| {
                     let points = axis.values.count();
-                    format!("{points} values of `{}`", axis.parameter)
+                    match axis.what {
+                        Swept::Parameter => format!("{points} values of `{}`", axis.name),
+                        Swept::Bound => format!("{points} bounds of `{}`", axis.name),
+                    }
                 })
                 .collect();
             section
@@ -73,7 +77,11 @@ impl Bridge<'_> {
                 .points
                 .iter()
                 .map(|point| SweepPoint {
-                    at: point.at.iter().map(parameter).collect(),
+                    at: point
+                        .at
+                        .iter()
+                        .map(|value| self.parameter(asked, value))
+                        .collect(),
                     designs: self.designs(point, design, &section.criteria),
                     configurations: self.configurations(point, &section.criteria),
                 })
@@ -83,13 +91,35 @@ impl Bridge<'_> {
                 reference.criteria.clear();
                 reference.infeasible = false;
             }
-            section.plots = swept_plots(task);
+            section.plots = self.swept_plots(asked, task);
         } else if let Some(point) = first {
             section.designs = self.designs(point, design, &section.criteria);
             section.configurations = self.configurations(point, &section.criteria);
-            section.plots = point.plots.iter().map(response).collect();
+            if let Findings::Front(front) = &point.findings {
+                section.references = self.reference_rows(
+                    &front.references,
+                    &design.map_or(String::new(), |design| design.objective.clone()),
+                    point,
+                    design,
+                    &section.criteria,
+                );
+                section.front = self.front(front, point, design, &section.criteria);
+                section.plots = self.front_pictures(front);
+                section.words.extend(front_words(front));
+            } else {
+                section.plots = point.plots.iter().map(response).collect();
+            }
         }
         section
+    }
+
+    /// A swept value; a bound is shown in the unit of its criterion.
+    fn parameter(&self, task: Option<&Task>, value: &NamedValue) -> Parameter {
+        let (shown, unit) = shown_swept(self.study, task, value);
+        Parameter {
+            name: value.name.clone(),
+            value: Quantity::new(shown, unit),
+        }
     }
 
     /// The objective first, then constrained criteria, then the others.
@@ -101,6 +131,7 @@ impl Bridge<'_> {
         };
         let constraints: &[String] = match point.map(|point| &point.findings) {
             Some(Findings::Design(findings)) => &findings.constraints,
+            Some(Findings::Front(findings)) => &findings.constraints,
             _ => &[],
         };
         let mut columns: Vec<(usize, CriterionColumn)> = one
@@ -110,9 +141,12 @@ impl Bridge<'_> {
                 let detail = one.details.get(name);
                 let si_unit = detail.map_or("", |detail| detail.unit.as_str());
                 let mut roles: Vec<&str> = Vec::new();
-                let objective = design.is_some_and(|design| design.objective == *name);
-                if let Some(design) = design.filter(|_| objective) {
-                    roles.push(match design.sense {
+                let objectives = design.map_or(Vec::new(), DesignTask::objectives);
+                let among = objectives
+                    .iter()
+                    .position(|objective| objective.criterion == *name);
+                if let Some(found) = among.and_then(|index| objectives.get(index)) {
+                    roles.push(match found.sense {
                         Sense::Minimise => "minimised",
                         Sense::Maximise => "maximised",
                     });
@@ -122,10 +156,10 @@ impl Bridge<'_> {
                         .and_then(|rest| rest.strip_prefix(' '))
                 });
                 roles.extend(bounds);
-                let place = match (objective, roles.is_empty()) {
-                    (true, _) => 0,
-                    (false, false) => 1,
-                    (false, true) => 2,
+                let place = match (among, roles.is_empty()) {
+                    (Some(index), _) => index,
+                    (None, false) => objectives.len(),
+                    (None, true) => objectives.len() + 1,
                 };
                 let column = CriterionColumn {
                     name: name.clone(),
@@ -148,14 +182,30 @@ impl Bridge<'_> {
         let Findings::Design(findings) = &point.findings else {
             return Vec::new();
         };
-        findings
-            .references
+        self.reference_rows(
+            &findings.references,
+            &findings.objective,
+            point,
+            design,
+            columns,
+        )
+    }
+
+    fn reference_rows(
+        &self,
+        references: &[Reference],
+        objective: &str,
+        point: &PointOutcome,
+        design: Option<&DesignTask>,
+        columns: &[CriterionColumn],
+    ) -> Vec<ReferenceRow> {
+        references
             .iter()
             .map(|reference| ReferenceRow {
                 name: reference.configuration.name.clone(),
                 words: reference_words(&reference.configuration),
                 criteria: self.values(&reference.configuration, &point.at, design, columns),
-                infeasible: reference.misses_a_constraint(&findings.objective),
+                infeasible: reference.misses_a_constraint(objective),
             })
             .collect()
     }
@@ -172,21 +222,24 @@ impl Bridge<'_> {
         findings
             .designs
             .iter()
-            .map(|found| self.design(found, findings, point, design, columns))
+            .map(|found| {
+                let about = (findings.objective.as_str(), findings.references.as_slice());
+                self.design(found, about, point, design, columns)
+            })
             .collect()
     }
 
-    fn design(
+    pub(super) fn design(
         &self,
         found: &Design,
-        findings: &DesignFindings,
+        (objective, references): (&str, &[Reference]),
         point: &PointOutcome,
         design: Option<&DesignTask>,
         columns: &[CriterionColumn],
     ) -> page::Design {
-        let detail = found.configuration.details.get(&findings.objective);
+        let detail = found.configuration.details.get(objective);
         let si_unit = detail.map_or("", |detail| detail.unit.as_str());
-        let (factor, shown) = shown_unit(self.study, &findings.objective, si_unit);
+        let (factor, shown) = shown_unit(self.study, objective, si_unit);
         let mut certificate: Vec<String> = detail.map(sureness).into_iter().collect();
         if found.status != "starts agree" && found.status != "one start" {
             certificate.push(found.status.clone());
@@ -196,8 +249,7 @@ impl Bridge<'_> {
             devices: self.devices(&found.configuration.devices, &found.active_bounds),
             objective: Quantity::new(found.objective / factor, shown),
             criteria: self.values(&found.configuration, &point.at, design, columns),
-            improvements: findings
-                .references
+            improvements: references
                 .iter()
                 .map(|reference| {
                     found
@@ -212,6 +264,7 @@ impl Bridge<'_> {
             feasible: found.feasible,
             violation: 100.0 * found.violation,
             certificate: certificate.join(" · "),
+            remarks: found.remarks.clone(),
         }
     }
 
@@ -277,15 +330,75 @@ impl Bridge<'_> {
             let Ok(standing) = self.study.standing(at) else {
                 return false;
             };
-            let Ok(bound) = constraint.bound.quantity(&standing.parameters) else {
-                return false;
+            let swept = at.iter().find(|swept| swept.name == name);
+            let bound = match swept {
+                Some(swept) => swept.value,
+                None => match constraint.bound.quantity(&standing.parameters) {
+                    Ok(bound) => bound.value,
+                    Err(_) => return false,
+                },
             };
-            let excess = match constraint.sense {
-                Sense::Minimise => value - bound.value,
-                Sense::Maximise => bound.value - value,
-            };
-            excess > design.feasibility * bound.value.abs()
+            let excess = constraint.sense.sign() * (value - bound);
+            excess > design.feasibility * bound.abs()
         })
+    }
+
+    /// One picture for each response: the best design, or the only configuration, at points spread over the sweep.
+    fn swept_plots(&self, asked: Option<&Task>, task: &TaskOutcome) -> Vec<Plot> {
+        let Some(first) = task.points.first() else {
+            return Vec::new();
+        };
+        let count = task.points.len();
+        let shown = count.min(DRAWN_POINTS);
+        let chosen: Vec<&PointOutcome> = (0..shown)
+            .filter_map(|index| task.points.get(index * (count - 1) / (shown - 1).max(1)))
+            .collect();
+        first
+            .plots
+            .iter()
+            .enumerate()
+            .map(|(index, plot)| {
+                let series = chosen
+                    .iter()
+                    .filter_map(|point| {
+                        let own = point.plots.get(index)?.series.iter();
+                        let best = own
+                            .clone()
+                            .find(|series| matches!(series.role, Role::Design(1)))
+                            .or_else(|| {
+                                own.clone()
+                                    .find(|series| series.role == Role::Configuration)
+                            })?;
+                        Some(curve(
+                            best,
+                            self.at_words(asked, &point.at),
+                            plot::Role::Design,
+                        ))
+                    })
+                    .collect();
+                picture(
+                    plot,
+                    "Response of the best design at points of the sweep",
+                    series,
+                )
+            })
+            .collect()
+    }
+
+    fn at_words(&self, asked: Option<&Task>, at: &[NamedValue]) -> String {
+        let words: Vec<String> = at
+            .iter()
+            .map(|value| {
+                let (shown, shown_in) = shown_swept(self.study, asked, value);
+                let number = compact(shown, 4);
+                if shown_in.is_empty() {
+                    format!("{} = {number}", value.name)
+                } else {
+                    format!("{} = {number} {}", value.name, unit(shown_in))
+                }
+            })
+            .collect();
+        words.join(", ")
     }
 }
 
@@ -296,13 +409,20 @@ fn words(task: &TaskOutcome, design: Option<&DesignTask>) -> Vec<String> {
     };
     let findings = task.points.first().and_then(|point| match &point.findings {
         Findings::Design(findings) => Some(findings.as_ref()),
-        Findings::Evaluate(_) => None,
+        Findings::Evaluate(_) | Findings::Front(_) => None,
     });
     let verb = match design.sense {
         Sense::Minimise => "Smallest",
         Sense::Maximise => "Largest",
     };
     let mut sentence = format!("{verb} `{}`", design.objective);
+    for objective in &design.further {
+        let verb = match objective.sense {
+            Sense::Minimise => "smallest",
+            Sense::Maximise => "largest",
+        };
+        let _ = write!(sentence, " against {verb} `{}`", objective.criterion);
+    }
     if let Some(findings) = findings {
         // Of one layout there is nothing to tell apart.
         let candidates = match findings.candidates.strip_prefix("1 layout,") {
@@ -329,13 +449,6 @@ fn words(task: &TaskOutcome, design: Option<&DesignTask>) -> Vec<String> {
         words.push(format!("Not designed: {}.", fixed.join(", ")));
     }
     words
-}
-
-fn parameter(value: &NamedValue) -> Parameter {
-    Parameter {
-        name: value.name.clone(),
-        value: Quantity::new(value.value, &value.unit),
-    }
 }
 
 /// What a reference is, where its name does not say so.
@@ -512,57 +625,4 @@ fn wide(series: &[Series]) -> bool {
         most = most.max(value);
     }
     most > 1e4 * least
-}
-
-/// One picture for each response: the best design, or the only configuration, at points spread over the sweep.
-fn swept_plots(task: &TaskOutcome) -> Vec<Plot> {
-    let Some(first) = task.points.first() else {
-        return Vec::new();
-    };
-    let count = task.points.len();
-    let shown = count.min(DRAWN_POINTS);
-    let chosen: Vec<&PointOutcome> = (0..shown)
-        .filter_map(|index| task.points.get(index * (count - 1) / (shown - 1).max(1)))
-        .collect();
-    first
-        .plots
-        .iter()
-        .enumerate()
-        .map(|(index, plot)| {
-            let series = chosen
-                .iter()
-                .filter_map(|point| {
-                    let own = point.plots.get(index)?.series.iter();
-                    let best = own
-                        .clone()
-                        .find(|series| matches!(series.role, Role::Design(1)))
-                        .or_else(|| {
-                            own.clone()
-                                .find(|series| series.role == Role::Configuration)
-                        })?;
-                    Some(curve(best, at_words(&point.at), plot::Role::Design))
-                })
-                .collect();
-            picture(
-                plot,
-                "Response of the best design at points of the sweep",
-                series,
-            )
-        })
-        .collect()
-}
-
-fn at_words(at: &[NamedValue]) -> String {
-    let words: Vec<String> = at
-        .iter()
-        .map(|value| {
-            let number = compact(value.value, 4);
-            if value.unit.is_empty() {
-                format!("{} = {number}", value.name)
-            } else {
-                format!("{} = {number} {}", value.name, unit(&value.unit))
-            }
-        })
-        .collect();
-    words.join(", ")
 }

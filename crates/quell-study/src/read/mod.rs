@@ -1,6 +1,8 @@
 //! From a study file to a [`Study`]: keys checked, names resolved, layouts parsed; every fault at its place.
 
 mod devices;
+mod objectives;
+mod sweep;
 mod tasks;
 mod transient;
 

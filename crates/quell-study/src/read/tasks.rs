@@ -1,20 +1,17 @@
 //! Tasks: configurations to evaluate, designs to find, sweeps over both.
 
-use std::sync::Arc;
-
 use indexmap::IndexMap;
-use quell_document::{Fault, Source, Table, Value};
+use quell_document::{Fault, Table, Value};
 use quell_expression::{ComparisonOperator, Expression, Node, Span};
 use quell_network::{Budget, Domain, Enumeration, EnumerationError, Equivalence, Kinds, Layout};
-use quell_search::Scale;
 
-use super::{amounts_of, devices, resolve, transient, unknown};
+use super::{amounts_of, devices, objectives, resolve, sweep, transient, unknown};
 use crate::amount::Amount;
 use crate::built::domain_of;
 use crate::keys;
 use crate::study::{
-    Bounds, CandidateSet, ConfigurationSpec, Constraint, DesignTask, Run, Sense, Slot, Study,
-    SweepAxis, SweepRange, SweepValues, Task, TaskKind,
+    Bounds, CandidateSet, ConfigurationSpec, Constraint, DesignTask, Run, Sense, Slot, Study, Task,
+    TaskKind,
 };
 
 /// A search gives up on nothing, but a list of more layouts than this would not end within a working day.
@@ -22,9 +19,6 @@ const MOST_LAYOUTS: u128 = 1_000_000;
 
 /// What to do about too many layouts.
 const FEWER: &str = "lower the numbers, or list the layouts of interest";
-
-/// A sweep of more points than this is a slip.
-const MOST_POINTS: usize = 10_000;
 
 pub(super) fn tasks(value: &Value<'_>, study: &Study) -> Result<Vec<Task>, Fault> {
     let list = value
@@ -65,10 +59,11 @@ pub(super) fn tasks(value: &Value<'_>, study: &Study) -> Result<Vec<Task>, Fault
         } else {
             TaskKind::Design(Box::new(design(&table, study)?))
         };
+        let sweep = sweep::sweep(&table, study, &kind)?;
         tasks.push(Task {
             name,
             kind,
-            sweep: sweep(&table, study)?,
+            sweep,
             span: name_value.span(),
         });
     }
@@ -87,6 +82,9 @@ fn refuse_strangers(table: &Table<'_>, kind: &str) -> Result<(), Fault> {
             "fixed",
             "bounds",
             "starts",
+            "agree",
+            "most_starts",
+            "front_points",
             "feasibility",
         ]
     } else {
@@ -289,25 +287,7 @@ fn override_run(
 
 fn design(table: &Table<'_>, study: &Study) -> Result<DesignTask, Fault> {
     let source = &study.source;
-    let (objective, sense) = match (table.get("minimise"), table.get("maximise")) {
-        (Some(value), None) => (value, Sense::Minimise),
-        (None, Some(value)) => (value, Sense::Maximise),
-        (Some(_), Some(second)) => {
-            return Err(second
-                .fault("a task has one objective")
-                .help("turn the other into a constraint under `subject_to`"));
-        }
-        (None, None) => {
-            return Err(table
-                .fault("the task does not say what to design for")
-                .help("add `minimise = \"CRITERION\"` or `maximise = \"CRITERION\"`"));
-        }
-    };
-    resolve(
-        &objective,
-        "criterion",
-        study.criteria.keys().map(String::as_str),
-    )?;
+    let (first, further, place) = objectives::objectives(table, study)?;
     let constraints = match table.get("subject_to") {
         Some(value) => value
             .as_array()
@@ -331,6 +311,8 @@ fn design(table: &Table<'_>, study: &Study) -> Result<DesignTask, Fault> {
         }
         None => None,
     };
+    let agree = objectives::agree(table, starts)?;
+    let front_points = objectives::front_points(table, further.len())?;
     let feasibility = match table.get("feasibility") {
         Some(value) => {
             let tolerance = value.as_f64()?;
@@ -361,16 +343,19 @@ fn design(table: &Table<'_>, study: &Study) -> Result<DesignTask, Fault> {
         .help("keep one of the two"));
     }
     Ok(DesignTask {
-        objective: objective.as_str()?.to_owned(),
-        sense,
+        objective: first.criterion,
+        sense: first.sense,
+        further,
+        front_points,
         constraints,
         references,
         candidates: candidates(table, study)?,
         fixed,
         bounds,
         starts,
+        agree,
         feasibility,
-        place: objective.span(),
+        place,
     })
 }
 
@@ -456,6 +441,7 @@ fn constraint(value: &Value<'_>, study: &Study) -> Result<Constraint, Fault> {
         criterion,
         sense,
         bound: Amount::from_expression(bound.clone(), &study.source),
+        swept: None,
     })
 }
 
@@ -751,112 +737,4 @@ fn component_budget(
         numbers.push(Some(number));
     }
     Ok((budgets, numbers))
-}
-
-fn sweep(table: &Table<'_>, study: &Study) -> Result<Vec<SweepAxis>, Fault> {
-    let Some(value) = table.get("sweep") else {
-        return Ok(Vec::new());
-    };
-    let parameters = study.host.parameters(&[])?;
-    let names: Vec<&str> = parameters.iter().map(|(name, _)| name.as_str()).collect();
-    let mut axes = Vec::new();
-    for (name, span, value) in value.as_table()?.entries() {
-        if !names.contains(&name) {
-            let fault = Fault::at(
-                &study.source,
-                span,
-                format!("the host has no parameter `{name}` to sweep"),
-            );
-            return Err(unknown(fault, name, "parameter", names.iter().copied()));
-        }
-        axes.push(SweepAxis {
-            parameter: name.to_owned(),
-            span,
-            values: sweep_values(&value, &study.source)?,
-        });
-    }
-    if axes.is_empty() {
-        return Err(value
-            .fault("the sweep names no parameter")
-            .help("write `sweep = { PARAMETER = [\"10 kg\", \"12 kg\"] }`"));
-    }
-    let points = axes
-        .iter()
-        .map(|axis| axis.values.count())
-        .fold(1, usize::saturating_mul);
-    if points > MOST_POINTS {
-        return Err(value
-            .fault(format!(
-                "the combinations of this sweep are {points} points, more than {MOST_POINTS}"
-            ))
-            .help("sweep fewer parameters at once, or at fewer points"));
-    }
-    Ok(axes)
-}
-
-fn sweep_values(value: &Value<'_>, source: &Arc<Source>) -> Result<SweepValues, Fault> {
-    let list = |value: &Value<'_>| -> Result<SweepValues, Fault> {
-        let values = value
-            .as_array()?
-            .iter()
-            .map(|value| Amount::read(value, source))
-            .collect::<Result<Vec<_>, _>>()?;
-        if values.is_empty() {
-            return Err(value.fault("the sweep has no value").help(
-                "write `[\"10 kg\", \"12 kg\"]`, or a range `{ from = …, to = …, points = … }`",
-            ));
-        }
-        Ok(SweepValues::List(values))
-    };
-    if value.is_array() {
-        return list(value);
-    }
-    let table = value.as_table()?;
-    table.check(&keys::SWEEP)?;
-    if let Some(values) = table.get("values") {
-        if let Some(span) = ["from", "to", "points", "scale"]
-            .iter()
-            .find_map(|key| table.key_span(key))
-        {
-            return Err(Fault::at(
-                source,
-                span,
-                "a sweep is a range or a list of `values`, not both",
-            ));
-        }
-        return list(&values);
-    }
-    if let Some(missing) = ["from", "to", "points"]
-        .iter()
-        .find(|key| table.get(key).is_none())
-    {
-        return Err(table
-            .fault(format!("the range of this sweep lacks `{missing}`"))
-            .help(
-                "write `{ from = \"10 kg\", to = \"12 kg\", points = 5 }`, or the values as a list",
-            ));
-    }
-    let points_value = table.require("points")?;
-    let points = points_value.as_count()?;
-    if !(2..=MOST_POINTS).contains(&points) {
-        return Err(points_value
-            .fault(format!(
-                "a sweep has 2 to {MOST_POINTS} points, found {points}"
-            ))
-            .help("for a single value use `parameters` at the top of the study"));
-    }
-    let scale = match table
-        .get("scale")
-        .map(|value| value.one_of(&["linear", "log"]))
-        .transpose()?
-    {
-        Some("log") => Scale::Logarithmic,
-        _ => Scale::Linear,
-    };
-    Ok(SweepValues::Range(Box::new(SweepRange {
-        from: Amount::read(&table.require("from")?, source)?,
-        to: Amount::read(&table.require("to")?, source)?,
-        points,
-        scale,
-    })))
 }

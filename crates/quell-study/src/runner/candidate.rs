@@ -3,16 +3,19 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+use indexmap::IndexMap;
 use quell_document::Fault;
-use quell_search::{Outcome, Problem, Settings, Side, search};
+use quell_search::{Outcome, Problem, Settings, Side};
 
-use super::Runner;
+use super::starts::Effort;
+use super::{Runner, remarks};
 use crate::candidates::Candidate;
 use crate::configuration::evaluated;
 use crate::evaluator::Evaluator;
 use crate::outcome::Evaluated;
 use crate::problem::{DesignProblem, Verdict};
 use crate::situation::Situation;
+use crate::store::{Key, KeyBuilder};
 use crate::study::DesignTask;
 
 /// Most rounds of searching again after a certificate found a peak that the grid had missed.
@@ -31,6 +34,10 @@ pub(super) struct Found {
     pub(super) starts_agreeing: usize,
     pub(super) evaluations: u64,
     pub(super) status: String,
+    /// What an engineer should know beyond the numbers.
+    pub(super) remarks: Vec<String>,
+    /// How far each constraint is missed; empty where all hold.
+    pub(super) violations: IndexMap<String, f64>,
 }
 
 impl Runner<'_> {
@@ -49,23 +56,29 @@ impl Runner<'_> {
         if let Some(starts) = design.starts {
             settings.starts = starts;
         }
-        let key = stream_key(&candidate);
+        let effort = Effort::of(design, &settings);
+        let stream = stream_key(&candidate);
+        let mut key = self.key(situation, design, &problem, &candidate);
         let mut evaluations = 0;
         let mut rounds = 0;
         let (outcome, missed) = loop {
             let outcome = if dimension == 0 {
                 nothing_to_search(&problem)
             } else {
-                search(&problem, &settings, key)
+                self.starts(&problem, &settings, effort, stream, &key)?
             };
             evaluations += outcome.evaluations as u64;
             if outcome.point.len() != dimension {
                 break (outcome, true);
             }
             rounds += 1;
-            let missed = problem.refine(&outcome.point)?;
-            if !missed || rounds == ROUNDS || dimension == 0 {
-                break (outcome, missed);
+            let missed = problem.refined(&outcome.point)?;
+            if missed.is_empty() || rounds == ROUNDS || dimension == 0 {
+                break (outcome, !missed.is_empty());
+            }
+            // The problem is another one from here on.
+            for (reading, omega) in &missed {
+                key = key.count(*reading as u64).number(*omega);
             }
         };
         self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
@@ -74,12 +87,22 @@ impl Runner<'_> {
             situation,
             Arc::clone(problem.evaluator.built()),
             None,
-            &indexmap::IndexMap::new(),
+            &IndexMap::new(),
         )?;
         let evaluated = evaluated(&candidate.label(), &all, &outcome.point);
         let verdict = Verdict::on(&evaluated, design, &problem.constraints);
+        let (violations, remarks) = if verdict.feasible {
+            let remarks = remarks::remarks(&problem, &candidate, &evaluated, &outcome, &settings);
+            (IndexMap::new(), remarks)
+        } else {
+            let violations = remarks::violations(&evaluated, design, &problem.constraints);
+            let remark = remarks::missed(&violations).into_iter().collect();
+            (violations, remark)
+        };
         Ok(Found {
-            status: status(design, &evaluated, verdict, &outcome, missed),
+            remarks,
+            violations,
+            status: status(design, &evaluated, verdict, &outcome, effort, missed),
             active_bounds: active_bounds(&problem, &outcome),
             starts: outcome.starts,
             starts_agreeing: outcome.starts_agreeing,
@@ -92,17 +115,70 @@ impl Runner<'_> {
     }
 }
 
+impl Runner<'_> {
+    /// Everything that determines the search of a candidate but its settings: the texts of study and host, the version, the
+    /// parameters and bounds at a point of a sweep, the objective, the layout.
+    fn key(
+        &self,
+        situation: &Situation,
+        design: &DesignTask,
+        problem: &DesignProblem,
+        candidate: &Candidate,
+    ) -> KeyBuilder {
+        let mut key = Key::of("start of a search")
+            .text(env!("CARGO_PKG_VERSION"))
+            .text(&self.study.hash)
+            .text(&candidate.label());
+        for (name, quantity) in &situation.parameters {
+            key = key.text(name).number(quantity.value);
+        }
+        for (slot, _, _) in &candidate.layouts {
+            key = key
+                .text(&slot.device)
+                .text(slot.placeholder.as_deref().unwrap_or_default());
+        }
+        // Two tasks may give one layout different ranges and fixed values.
+        for (name, amount) in &design.fixed {
+            key = key.text(name).text(&amount.expression().to_string());
+        }
+        for variable in problem.variables() {
+            key = key
+                .text(&variable.name)
+                .numbers(&[variable.lower, variable.upper])
+                .text(&format!("{:?}", variable.scale));
+        }
+        for goal in std::iter::once(&problem.objective).chain(&problem.constraints) {
+            let name = problem.evaluator.names().nth(goal.criterion);
+            key = key
+                .text(name.unwrap_or_default())
+                .numbers(&[goal.sense.sign(), goal.bound]);
+        }
+        key
+    }
+}
+
 /// How the search of a candidate ended, in words.
 fn status(
     design: &DesignTask,
     evaluated: &Evaluated,
     verdict: Verdict,
     outcome: &Outcome,
+    effort: Effort,
     missed: bool,
 ) -> String {
     if !verdict.objective.is_finite() {
         let detail = evaluated.details.get(&design.objective);
         return detail.map_or_else(|| "no value".to_owned(), |detail| detail.status.clone());
+    }
+    let short = effort
+        .agree
+        .filter(|agree| verdict.feasible && outcome.starts_agreeing < *agree);
+    if let Some(agree) = short {
+        let (agreeing, starts) = (outcome.starts_agreeing, outcome.starts);
+        let verb = if agreeing == 1 { "agrees" } else { "agree" };
+        return format!(
+            "only {agreeing} of {starts} starts {verb}, the most that are allowed, and `agree` asks for {agree}: raise `most_starts`"
+        );
     }
     if !verdict.feasible {
         "infeasible: no values were found that meet every constraint; this is the least violation"

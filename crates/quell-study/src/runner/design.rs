@@ -20,7 +20,7 @@ use crate::situation::Situation;
 use crate::study::{Constraint, DesignTask, Sense};
 
 /// Candidates that are searched as one batch, so that an enumeration is never held in memory as a whole.
-const BATCH: usize = 4096;
+pub(super) const BATCH: usize = 4096;
 
 impl Runner<'_> {
     pub(super) fn design(
@@ -44,7 +44,7 @@ impl Runner<'_> {
                 .with_max_len(1)
                 .map(|candidate| {
                     let found = self.candidate(situation, design, candidate);
-                    self.progress
+                    self.recorder
                         .advance(&self.best_so_far(design, &found, &best));
                     found
                 })
@@ -54,23 +54,6 @@ impl Runner<'_> {
             }
         }
         rank(&mut found, design.sense);
-        let designs: Vec<Design> = found
-            .iter()
-            .enumerate()
-            .map(|(index, found)| Design {
-                rank: index + 1,
-                configuration: found.evaluated.clone(),
-                objective: found.verdict.objective,
-                improvement: improvements(design, found.verdict.objective, &references),
-                feasible: found.verdict.feasible,
-                violation: found.verdict.violation,
-                active_bounds: found.active_bounds.clone(),
-                starts: found.starts,
-                starts_agreeing: found.starts_agreeing,
-                evaluations: found.evaluations,
-                status: found.status.clone(),
-            })
-            .collect();
         for (index, found) in found.iter().enumerate().take(self.study.report.shortlist) {
             let problem = DesignProblem::of(self.study, situation, design, &found.candidate)?;
             let role = Role::Design(index + 1);
@@ -82,6 +65,17 @@ impl Runner<'_> {
                 role,
             );
         }
+        let designs: Vec<Design> = found
+            .into_iter()
+            .enumerate()
+            .map(|(index, found)| {
+                let improvement = improvements(design, found.verdict.objective, &references);
+                Design {
+                    improvement,
+                    ..designed(found, index + 1)
+                }
+            })
+            .collect();
         let findings = DesignFindings {
             objective: design.objective.clone(),
             sense: design.sense,
@@ -93,7 +87,7 @@ impl Runner<'_> {
         Ok((Findings::Design(Box::new(findings)), curves.finish()))
     }
 
-    fn references(
+    pub(super) fn references(
         &self,
         situation: &Situation,
         design: &DesignTask,
@@ -165,6 +159,25 @@ impl Runner<'_> {
     }
 }
 
+/// A design of a rank, not yet compared with references.
+pub(super) fn designed(found: Found, rank: usize) -> Design {
+    Design {
+        rank,
+        configuration: found.evaluated,
+        objective: found.verdict.objective,
+        improvement: IndexMap::new(),
+        feasible: found.verdict.feasible,
+        violation: found.verdict.violation,
+        violations: found.violations,
+        active_bounds: found.active_bounds,
+        starts: found.starts,
+        starts_agreeing: found.starts_agreeing,
+        evaluations: found.evaluations,
+        status: found.status,
+        remarks: found.remarks,
+    }
+}
+
 /// Feasible before infeasible; among the feasible by the objective, among the others by the violation; then by layout.
 fn rank(found: &mut [Found], sense: Sense) {
     found.sort_by(|a, b| {
@@ -204,11 +217,15 @@ fn improvements(
         .collect()
 }
 
-fn constraint_words(constraint: &Constraint) -> String {
+/// A constraint in words, in the units of the study.
+pub(super) fn constraint_words(constraint: &Constraint) -> String {
     let symbol = match constraint.sense {
         Sense::Minimise => "≤",
         Sense::Maximise => "≥",
     };
+    if constraint.swept.is_some() {
+        return format!("{} {symbol} swept bound", constraint.criterion);
+    }
     format!(
         "{} {symbol} {}",
         constraint.criterion,

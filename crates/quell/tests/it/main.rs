@@ -8,7 +8,9 @@
 mod check;
 mod help;
 mod layouts;
+mod objectives;
 mod run;
+mod store;
 
 use std::path::PathBuf;
 

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::{assert_plain, errors, output, quell};
 
-const HOST: &str = r#"
+pub(crate) const HOST: &str = r#"
 quell = 1
 title = "One mass on one spring"
 
@@ -145,7 +145,7 @@ fn a_run_prints_a_shortlist_and_leaves_results_and_report() {
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     names.sort();
-    assert_eq!(names, ["report.html", "results.json"]);
+    assert_eq!(names, ["report.html", "results.json", "store.sqlite"]);
     let report = fs::read_to_string(out.join("report.html")).unwrap();
     assert!(report.starts_with("<!DOCTYPE html>") && report.ends_with("</html>"));
     assert!(report.contains("A tiny absorber") && report.contains("<svg"));
