@@ -2,10 +2,10 @@
 
 use indexmap::IndexMap;
 
-use crate::outcome::{BuiltDevice, Evaluated, Findings, TaskOutcome};
+use crate::outcome::{BuiltDevice, Design, Evaluated, Findings, TaskOutcome};
 use crate::results::{
     ConfigurationResult, DesignResult, DeviceResult, EngineFacts, FORMAT, ReferenceResult, Results,
-    StudyFacts, SweepPoint, TaskBody, TaskFindings, TaskResult,
+    SimplifiedResult, StudyFacts, SweepPoint, TaskBody, TaskFindings, TaskResult,
 };
 use crate::study::Study;
 
@@ -101,25 +101,7 @@ fn findings(found: &Findings) -> (String, TaskFindings) {
                     (one.configuration.name.clone(), result)
                 })
                 .collect();
-            let designs: Vec<DesignResult> = design
-                .designs
-                .iter()
-                .map(|one| DesignResult {
-                    rank: one.rank,
-                    devices: devices(&one.configuration.devices),
-                    objective: one.objective,
-                    criteria: one.configuration.criteria.clone(),
-                    details: one.configuration.details.clone(),
-                    improvement: one.improvement.clone(),
-                    feasible: one.feasible,
-                    violation: one.violation,
-                    active_bounds: one.active_bounds.clone(),
-                    starts: one.starts,
-                    starts_agreeing: one.starts_agreeing,
-                    evaluations: one.evaluations,
-                    status: one.status.clone(),
-                })
-                .collect();
+            let designs: Vec<DesignResult> = design.designs.iter().map(design_result).collect();
             let status = if designs.iter().any(|one| one.feasible) {
                 "done"
             } else {
@@ -130,9 +112,38 @@ fn findings(found: &Findings) -> (String, TaskFindings) {
                 TaskFindings::Design {
                     references,
                     designs,
+                    simplified: design
+                        .simplified
+                        .iter()
+                        .map(|one| SimplifiedResult {
+                            elements: one.elements,
+                            without: one.without.clone(),
+                            tried: one.tried,
+                            design: design_result(&one.design),
+                        })
+                        .collect(),
                 },
             )
         }
+    }
+}
+
+fn design_result(one: &Design) -> DesignResult {
+    DesignResult {
+        rank: one.rank,
+        devices: devices(&one.configuration.devices),
+        objective: one.objective,
+        criteria: one.configuration.criteria.clone(),
+        details: one.configuration.details.clone(),
+        improvement: one.improvement.clone(),
+        feasible: one.feasible,
+        violation: one.violation,
+        active_bounds: one.active_bounds.clone(),
+        starts: one.starts,
+        starts_agreeing: one.starts_agreeing,
+        evaluations: one.evaluations,
+        status: one.status.clone(),
+        synthesis: one.synthesis.clone(),
     }
 }
 

@@ -6,6 +6,8 @@
 use indexmap::IndexMap;
 use serde::Serialize;
 
+use crate::outcome::Synthesis;
+
 /// The version of this format; it changes only when a reader of the old one would be misled.
 pub const FORMAT: u32 = 1;
 
@@ -98,6 +100,9 @@ pub enum TaskFindings {
         references: IndexMap<String, ReferenceResult>,
         /// Best first.
         designs: Vec<DesignResult>,
+        /// The best design of each number of elements, from many to one.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        simplified: Vec<SimplifiedResult>,
     },
 }
 
@@ -229,4 +234,21 @@ pub struct DesignResult {
     pub evaluations: u64,
     /// How the search ended, in words.
     pub status: String,
+    /// Of a design that is a function: the function, and networks that have it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub synthesis: Vec<Synthesis>,
+}
+
+/// The best design of a number of elements.
+#[derive(Debug, Clone, Serialize)]
+pub struct SimplifiedResult {
+    /// How many elements it has.
+    pub elements: usize,
+    /// What was left out, of which layout.
+    pub without: String,
+    /// How many layouts of this number of elements were searched.
+    pub tried: usize,
+    /// The best of them.
+    #[serde(flatten)]
+    pub design: DesignResult,
 }

@@ -2,6 +2,8 @@
 
 mod candidate;
 mod design;
+mod simplify;
+mod synthesis;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;

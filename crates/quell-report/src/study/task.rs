@@ -22,6 +22,54 @@ const DRAWN: usize = 3;
 /// Points of a sweep whose responses are drawn in one picture.
 const DRAWN_POINTS: usize = 6;
 
+/// The function of the best design and its networks in words; none where it is no function.
+fn synthesis_words(point: &PointOutcome) -> Vec<String> {
+    let Findings::Design(findings) = &point.findings else {
+        return Vec::new();
+    };
+    let Some(best) = findings.designs.first() else {
+        return Vec::new();
+    };
+    let polynomial = |coefficients: &[f64]| {
+        let terms: Vec<String> = coefficients
+            .iter()
+            .enumerate()
+            .rev()
+            .filter(|(_, value)| **value != 0.0)
+            .map(|(power, value)| match power {
+                0 => format!("{value:.4e}"),
+                1 => format!("{value:.4e} s"),
+                _ => format!("{value:.4e} s^{power}"),
+            })
+            .collect();
+        terms.join(" + ")
+    };
+    let mut words = Vec::new();
+    for synthesis in &best.synthesis {
+        words.push(format!(
+            "The best `{}` is the function `Y(s) = ({})/({})`, {}.",
+            synthesis.device,
+            polynomial(&synthesis.numerator),
+            polynomial(&synthesis.denominator),
+            synthesis.status
+        ));
+        for network in &synthesis.networks {
+            let values: Vec<String> = network
+                .values
+                .iter()
+                .map(|(name, value)| format!("{name} = {value:.4e}"))
+                .collect();
+            words.push(format!(
+                "By {}: `{}` with `{}`.",
+                network.method,
+                network.network,
+                values.join(", ")
+            ));
+        }
+    }
+    words
+}
+
 impl Bridge<'_> {
     pub(super) fn task(&self, task: &TaskOutcome, outcome: &RunOutcome) -> TaskSection {
         let asked = self
@@ -86,6 +134,8 @@ impl Bridge<'_> {
             section.plots = swept_plots(task);
         } else if let Some(point) = first {
             section.designs = self.designs(point, design, &section.criteria);
+            section.smaller = self.smaller(point, design, &section.criteria);
+            section.words.extend(synthesis_words(point));
             section.configurations = self.configurations(point, &section.criteria);
             section.plots = point.plots.iter().map(response).collect();
         }
@@ -173,6 +223,25 @@ impl Bridge<'_> {
             .designs
             .iter()
             .map(|found| self.design(found, findings, point, design, columns))
+            .collect()
+    }
+
+    fn smaller(
+        &self,
+        point: &PointOutcome,
+        design: Option<&DesignTask>,
+        columns: &[CriterionColumn],
+    ) -> Vec<page::Design> {
+        let Findings::Design(findings) = &point.findings else {
+            return Vec::new();
+        };
+        findings
+            .simplified
+            .iter()
+            .map(|one| page::Design {
+                rank: one.elements,
+                ..self.design(&one.design, findings, point, design, columns)
+            })
             .collect()
     }
 

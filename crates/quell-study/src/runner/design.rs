@@ -9,10 +9,10 @@ use quell_document::Fault;
 use rayon::prelude::*;
 
 use super::candidate::Found;
-use super::{RunError, Runner};
+use super::{RunError, Runner, synthesis};
 use crate::candidates::{Candidate, Candidates};
 use crate::configuration::{configuration, evaluated};
-use crate::outcome::{self, Design, DesignFindings, Evaluated, Findings, Plot, Role};
+use crate::outcome::{self, Design, DesignFindings, Evaluated, Findings, Plot, Role, Simplified};
 use crate::plots::Curves;
 use crate::problem::{DesignProblem, Verdict, constraints};
 use crate::reference::Reference;
@@ -54,23 +54,28 @@ impl Runner<'_> {
             }
         }
         rank(&mut found, design.sense);
-        let designs: Vec<Design> = found
+        let mut designs: Vec<Design> = found
             .iter()
             .enumerate()
-            .map(|(index, found)| Design {
-                rank: index + 1,
-                configuration: found.evaluated.clone(),
-                objective: found.verdict.objective,
-                improvement: improvements(design, found.verdict.objective, &references),
-                feasible: found.verdict.feasible,
-                violation: found.verdict.violation,
-                active_bounds: found.active_bounds.clone(),
-                starts: found.starts,
-                starts_agreeing: found.starts_agreeing,
-                evaluations: found.evaluations,
-                status: found.status.clone(),
-            })
+            .map(|(index, found)| described(index + 1, found, design, &references))
             .collect();
+        if !self.study.immittances.is_empty() {
+            for (described, found) in designs.iter_mut().zip(&found) {
+                described.synthesis = synthesis::of(self.study, found);
+            }
+        }
+        let mut simplified = Vec::new();
+        if design.simplify
+            && let (Some(best), Some(described_best)) = (found.first(), designs.first())
+        {
+            let smaller = self.simplify(situation, design, best, &described_best.synthesis)?;
+            simplified.extend(smaller.into_iter().map(|one| Simplified {
+                elements: one.elements,
+                without: one.without,
+                tried: one.tried,
+                design: described(1, &one.found, design, &references),
+            }));
+        }
         for (index, found) in found.iter().enumerate().take(self.study.report.shortlist) {
             let problem = DesignProblem::of(self.study, situation, design, &found.candidate)?;
             let role = Role::Design(index + 1);
@@ -88,6 +93,7 @@ impl Runner<'_> {
             constraints: design.constraints.iter().map(constraint_words).collect(),
             references,
             designs,
+            simplified,
             candidates: candidates.words(),
         };
         Ok((Findings::Design(Box::new(findings)), curves.finish()))
@@ -165,8 +171,31 @@ impl Runner<'_> {
     }
 }
 
+/// A design as it is reported.
+fn described(
+    rank: usize,
+    found: &Found,
+    design: &DesignTask,
+    references: &[outcome::Reference],
+) -> Design {
+    Design {
+        rank,
+        configuration: found.evaluated.clone(),
+        objective: found.verdict.objective,
+        improvement: improvements(design, found.verdict.objective, references),
+        feasible: found.verdict.feasible,
+        violation: found.verdict.violation,
+        active_bounds: found.active_bounds.clone(),
+        starts: found.starts,
+        starts_agreeing: found.starts_agreeing,
+        evaluations: found.evaluations,
+        status: found.status.clone(),
+        synthesis: Vec::new(),
+    }
+}
+
 /// Feasible before infeasible; among the feasible by the objective, among the others by the violation; then by layout.
-fn rank(found: &mut [Found], sense: Sense) {
+pub(super) fn rank(found: &mut [Found], sense: Sense) {
     found.sort_by(|a, b| {
         let (first, second) = (&a.verdict, &b.verdict);
         let by_objective = match sense {
