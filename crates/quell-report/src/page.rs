@@ -165,6 +165,8 @@ pub struct TaskSection {
     pub references: Vec<ReferenceRow>,
     /// Designs, best first.
     pub designs: Vec<Design>,
+    /// The best design of each number of elements, whose rank is that number.
+    pub smaller: Vec<Design>,
     /// Evaluated configurations.
     pub configurations: Vec<Configuration>,
     /// Points of a sweep, each with its own results.

@@ -49,6 +49,6 @@ pub use event::{Condition, Direction, Event, Grazing, Occurrence};
 pub use exponential::matrix_exponential;
 pub use integrator::{Method, Scheme};
 
-pub use record::{Extremum, Integral, Record};
+pub use record::{Excursion, Extremum, Integral, Record};
 pub use simulation::{Absolute, Progress, Settings, simulate, simulate_with};
 pub use trajectory::{End, Statistics, Trajectory};

@@ -763,11 +763,15 @@ impl<'a> Builder<'a> {
                 if let Some((kind, inner)) = &variable.component {
                     // What is said of the kind holds for every instance.
                     wanted.keys.push(format!("{kind}.{inner}"));
-                    wanted.own_bounds = self
-                        .study
-                        .components
-                        .get(kind)
-                        .and_then(|component| component.variables.get(inner));
+                    if self.study.immittances.contains_key(kind) {
+                        wanted.bound_keys = vec![format!("{device}.{inner}"), inner.clone()];
+                    } else {
+                        wanted.own_bounds = self
+                            .study
+                            .components
+                            .get(kind)
+                            .and_then(|component| component.variables.get(inner));
+                    }
                 } else {
                     let stem = name.trim_end_matches(|character: char| character.is_ascii_digit());
                     wanted.bound_keys = vec![format!("{device}.{stem}"), stem.to_owned()];

@@ -214,7 +214,7 @@ fn offers(kind: RunKind) -> String {
             format!("a frequency run offers {}", calls.join(", "))
         }
         RunKind::Modes => "a modes run offers `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`".to_owned(),
-        RunKind::Transient => "a transient run offers `max(s)`, `min(s)`, `peak(s, n)`, `trough(s, n)`, `crossing(s, n)`, `initial(s)`, `final(s)`, `at(s, 2 s)`, `mean(s)`, `rms(s)`, `integral(s)`, `integral(s, b)`, `settling(s, band)`, `potential(NAME)`, `kinetic(NAME)`, `stored(NAME)`, `dissipated(NAME)`, `energy_error`".to_owned(),
+        RunKind::Transient => "a transient run offers `max(s)`, `min(s)`, `peak(s, n)`, `trough(s, n)`, `largest(s, n)`, `span(s, level)`, `crossing(s, n)`, `initial(s)`, `final(s)`, `at(s, 2 s)`, `mean(s)`, `rms(s)`, `integral(s)`, `integral(s, b)`, `settling(s, band)`, `decay_rate(s)`, `potential(NAME)`, `kinetic(NAME)`, `stored(NAME)`, `dissipated(NAME)`, `energy_error`".to_owned(),
     }
 }
 

@@ -8,9 +8,11 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 use quell_document::Fault;
 use quell_expression::{Dimension, Expression, ExpressionError, Scope, Tape, TapeBuilder};
+use quell_model::EquationHost;
 use quell_response::{OperatingPoint, Piece, Plan, PlanSettings, Scratch};
 
 use crate::built::{Built, ValueScratch};
+use crate::combination::{Combination, with_parts};
 use crate::criteria::{Functional, RunContext, RunKind, compile, functional_name};
 use crate::linear::{Linear, LinearisedPlan, Output};
 use crate::results::{CriterionDetail, Ledger};
@@ -23,14 +25,24 @@ use reading::{Known, Reading};
 
 pub(crate) use run::prepare;
 
-/// A criterion over the values of functionals.
+/// A criterion over the values of functionals, or of other criteria.
 #[derive(Debug)]
 struct Program {
     name: String,
     dimension: Dimension,
-    /// Indices of its functionals among all readings, in the order of the tape's inputs.
+    /// Indices of its functionals among all readings; of one of criteria, all that those read.
     readings: Vec<usize>,
+    inputs: Inputs,
     tape: Tape,
+}
+
+/// What the tape of a criterion takes.
+#[derive(Debug)]
+enum Inputs {
+    /// Its readings, in order.
+    Readings,
+    /// The values of other criteria, which stand before it.
+    Criteria(Vec<usize>),
 }
 
 /// All criteria of one candidate.
@@ -155,22 +167,25 @@ impl Evaluator {
             transients: Vec::new(),
             linearised: Vec::new(),
         };
-        let chosen: Vec<(&String, &Criterion)> = study
+        let wanted = study
             .criteria
-            .iter()
-            .filter(|(name, _)| only.is_none_or(|only| only.contains(&name.as_str())))
+            .keys()
+            .map(String::as_str)
+            .filter(|name| only.is_none_or(|only| only.contains(name)));
+        let chosen: Vec<(&str, &Criterion)> = with_parts(wanted, &study.criteria)
+            .into_iter()
+            .filter_map(|name| Some((name, study.criteria.get(name)?)))
             .collect();
         let run_of = |name: &str| runs.get(name).or_else(|| study.runs.get(name));
         // Signals are gathered while criteria are read; then each run of equations is compiled once.
         let mut of_equations: Vec<(&String, &Run)> = Vec::new();
         for (_, criterion) in &chosen {
-            if let Some(run) = run_of(&criterion.run)
+            if let Some(name) = &criterion.run
+                && let Some(run) = run_of(name)
                 && (matches!(run, Run::Transient(_)) || evaluator.built.assembly.is_none())
-                && !of_equations
-                    .iter()
-                    .any(|(known, _)| **known == criterion.run)
+                && !of_equations.iter().any(|(known, _)| *known == name)
             {
-                of_equations.push((&criterion.run, run));
+                of_equations.push((name, run));
             }
         }
         let (host, devices) = if of_equations.is_empty() {
@@ -180,21 +195,33 @@ impl Evaluator {
             let devices = evaluator.built.system_devices(study, &host)?;
             (Some(host), devices)
         };
-        let watchings: Vec<(&String, Watching<'_>)> = host
+        let mut hosts: Vec<Arc<EquationHost>> = Vec::new();
+        if let Some(host) = &host {
+            for (_, run) in &of_equations {
+                hosts.push(transient::beginning(study, situation, host, run)?);
+            }
+        }
+        let watchings: Vec<(&String, Watching<'_>)> = of_equations
             .iter()
-            .flat_map(|host| {
-                of_equations
-                    .iter()
-                    .map(|(name, _)| (*name, Watching::new(host, &devices)))
-            })
+            .zip(&hosts)
+            .map(|((name, _), host)| (*name, Watching::new(host, &devices)))
             .collect();
         for (name, criterion) in &chosen {
+            let Some(run) = &criterion.run else {
+                evaluator.combine(study, situation, (name, criterion))?;
+                continue;
+            };
             let watching = watchings
                 .iter()
-                .find(|(known, _)| **known == criterion.run)
+                .find(|(known, _)| *known == run)
                 .map(|(_, watching)| watching);
-            let run = run_of(&criterion.run);
-            evaluator.add(study, situation, (name, criterion), run, watching)?;
+            evaluator.add(
+                study,
+                situation,
+                (name, criterion),
+                (run, run_of(run)),
+                watching,
+            )?;
         }
         let first_elements = evaluator.built.first_elements();
         for ((name, watching), (_, run)) in watchings.into_iter().zip(of_equations) {
@@ -225,7 +252,7 @@ impl Evaluator {
         study: &Study,
         situation: &Situation,
         (name, criterion): (&str, &Criterion),
-        run: Option<&Run>,
+        (run_name, run): (&str, Option<&Run>),
         watching: Option<&Watching<'_>>,
     ) -> Result<(), Fault> {
         let located = |error: ExpressionError| Fault::from_expression(&study.source, error);
@@ -233,7 +260,7 @@ impl Evaluator {
             return Err(Fault::at(
                 &study.source,
                 criterion.span,
-                format!("there is no run `{}`", criterion.run),
+                format!("there is no run `{run_name}`"),
             ));
         };
         let prepared = prepare(study, situation, run)?;
@@ -248,30 +275,13 @@ impl Evaluator {
             kind: prepared.kind,
         };
         let compiled = compile(&criterion.value, &context).map_err(located)?;
-        if let Some((unit, span)) = &criterion.unit
-            && !unit.dimension.accepts(&compiled.dimension)
-            && !compiled.dimension.accepts(&unit.dimension)
-        {
-            return Err(Fault::at(
-                &study.source,
-                *span,
-                format!(
-                    "`{name}` is {}, which cannot be shown in `{}`",
-                    crate::amount::described(compiled.dimension),
-                    unit.text
-                ),
-            )
-            .help(if prepared.kind == RunKind::Transient {
-                "write a unit of the same dimension, or leave `unit` out"
-            } else {
-                "a response is over its input: metres by metres make a plain number"
-            }));
-        }
+        refuse_unit(study, name, criterion, compiled.dimension, prepared.kind)?;
         let mut readings = Vec::new();
         for (functional, dimension) in compiled.functionals {
-            let known = self.readings.iter_mut().enumerate().find(|(_, reading)| {
-                reading.functional == functional && reading.run == criterion.run
-            });
+            let known =
+                self.readings.iter_mut().enumerate().find(|(_, reading)| {
+                    reading.functional == functional && reading.run == run_name
+                });
             if let Some((index, reading)) = known {
                 reading.tolerance = reading.tolerance.min(criterion.tolerance);
                 readings.push(index);
@@ -300,7 +310,7 @@ impl Evaluator {
             };
             self.readings.push(Reading {
                 functional,
-                run: criterion.run.clone(),
+                run: run_name.to_owned(),
                 input: prepared.input,
                 response,
                 band: prepared.band,
@@ -319,7 +329,45 @@ impl Evaluator {
             name: name.to_owned(),
             dimension: compiled.dimension,
             readings,
+            inputs: Inputs::Readings,
             tape: builder.build(),
+        });
+        Ok(())
+    }
+
+    /// Adds an expression of criteria that have been added.
+    fn combine(
+        &mut self,
+        study: &Study,
+        situation: &Situation,
+        (name, criterion): (&str, &Criterion),
+    ) -> Result<(), Fault> {
+        let known: Vec<(&str, Dimension)> = self
+            .programs
+            .iter()
+            .map(|program| (program.name.as_str(), program.dimension))
+            .collect();
+        let found = Combination::new(&criterion.value, &known, &situation.parameters)
+            .map_err(|error| Fault::from_expression(&study.source, error))?;
+        refuse_unit(study, name, criterion, found.dimension, RunKind::Transient)?;
+        let parts: Vec<usize> = found
+            .parts
+            .iter()
+            .filter_map(|part| self.index(part))
+            .collect();
+        let mut readings: Vec<usize> = parts
+            .iter()
+            .filter_map(|part| self.programs.get(*part))
+            .flat_map(|program| program.readings.iter().copied())
+            .collect();
+        readings.sort_unstable();
+        readings.dedup();
+        self.programs.push(Program {
+            name: name.to_owned(),
+            dimension: found.dimension,
+            readings,
+            inputs: Inputs::Criteria(parts),
+            tape: found.tape,
         });
         Ok(())
     }
@@ -362,15 +410,23 @@ impl Evaluator {
         }
         let points = self.operating_points(&scratch.values);
         for (reading, entry) in self.readings.iter().zip(&mut scratch.readings) {
-            if matches!(reading.functional, Functional::Time(_)) {
-                continue;
-            }
-            if let Ok(linear) = self.linear(&reading.run, &scratch.values, &points) {
-                *entry = reading.fast(&linear, &mut scratch.response);
+            if !matches!(reading.functional, Functional::Time(_)) {
+                *entry = match self.linear(&reading.run, &scratch.values, &points) {
+                    Ok(linear) => reading.fast(&linear, &mut scratch.response),
+                    Err(_) => f64::NAN,
+                };
             }
         }
-        for (program, out) in self.programs.iter().zip(out) {
-            *out = program.value(&scratch.readings, &mut scratch.inputs, &mut scratch.work);
+        for (index, program) in self.programs.iter().enumerate() {
+            let value = program.value(
+                &scratch.readings,
+                out,
+                &mut scratch.inputs,
+                &mut scratch.work,
+            );
+            if let Some(entry) = out.get_mut(index) {
+                *entry = value;
+            }
         }
     }
 
@@ -390,6 +446,19 @@ impl Evaluator {
                 )
             })
             .collect()
+    }
+
+    /// What is read of a run in time, with the places among all readings.
+    fn observations(&self, run: &str) -> (Vec<usize>, Vec<&Observation>) {
+        self.readings
+            .iter()
+            .enumerate()
+            .filter(|(_, reading)| reading.run == run)
+            .filter_map(|(place, reading)| match &reading.functional {
+                Functional::Time(observation) => Some((place, observation)),
+                _ => None,
+            })
+            .unzip()
     }
 
     /// Finds the equilibria about which linear runs of equations are computed.
@@ -418,19 +487,6 @@ impl Evaluator {
             Some((_, Err(why))) => Err(why.clone()),
             None => Err("there is no such run".to_owned()),
         }
-    }
-
-    /// What is read of a run in time, with the places among all readings.
-    fn observations(&self, run: &str) -> (Vec<usize>, Vec<&Observation>) {
-        self.readings
-            .iter()
-            .enumerate()
-            .filter(|(_, reading)| reading.run == run)
-            .filter_map(|(place, reading)| match &reading.functional {
-                Functional::Time(observation) => Some((place, observation)),
-                _ => None,
-            })
-            .unzip()
     }
 
     /// Energy ledgers by run in time, at element values that stand in `values`.
@@ -476,7 +532,7 @@ impl Evaluator {
         let Some(program) = self.programs.get(criterion) else {
             return false;
         };
-        let [only] = program.readings.as_slice() else {
+        let ([only], Inputs::Readings) = (program.readings.as_slice(), &program.inputs) else {
             return false;
         };
         let Some(plan) = self
@@ -529,25 +585,30 @@ impl Evaluator {
         let mut missed = Missed::new();
         let mut numbers = Vec::new();
         let mut knowledge: Vec<Known> = Vec::new();
-        let mut in_time: Vec<Option<(f64, Known)>> = Vec::new();
-        in_time.resize_with(self.readings.len(), || None);
+        let mut timed: Vec<Option<(f64, Known)>> = Vec::new();
+        timed.resize_with(self.readings.len(), || None);
         for (name, mut simulated) in self.simulate(&scratch.values, true) {
             let (places, observations) = self.observations(name);
             let read = simulated.read(&observations);
-            for ((place, observation), read) in places.into_iter().zip(observations).zip(read) {
-                if let Some(entry) = in_time.get_mut(place) {
-                    *entry = Some(reading::in_time(&simulated, observation, read));
+            let remarks = simulated.remarks(&observations);
+            let read = read.into_iter().zip(remarks);
+            for ((place, observation), (read, remark)) in
+                places.into_iter().zip(observations).zip(read)
+            {
+                if let Some(entry) = timed.get_mut(place) {
+                    *entry = Some(in_time(&simulated, observation, read, remark));
                 }
             }
         }
         let points = self.operating_points(&scratch.values);
-        for (index, (reading, in_time)) in self.readings.iter().zip(in_time).enumerate() {
-            let (value, known) = in_time.unwrap_or_else(|| {
-                match self.linear(&reading.run, &scratch.values, &points) {
+        for (index, (reading, timed)) in self.readings.iter().zip(timed).enumerate() {
+            let (value, known) = match timed {
+                Some(found) => found,
+                None => match self.linear(&reading.run, &scratch.values, &points) {
                     Ok(linear) => reading.certified(&linear),
                     Err(why) => Known::failed(why),
-                }
-            });
+                },
+            };
             if let (Some(plan), Some(omega)) = (&reading.plan, known.omega) {
                 let fast = plan.peak(&values, &mut scratch.response).value;
                 if value > fast * (1.0 + reading.tolerance) || fast.is_nan() {
@@ -557,11 +618,14 @@ impl Evaluator {
             numbers.push(value);
             knowledge.push(known);
         }
+        let mut values: Vec<f64> = Vec::new();
         let certified = self
             .programs
             .iter()
             .map(|program| {
-                let value = program.value(&numbers, &mut scratch.inputs, &mut scratch.work);
+                let value =
+                    program.value(&numbers, &values, &mut scratch.inputs, &mut scratch.work);
+                values.push(value);
                 let known: Vec<&Known> = program
                     .readings
                     .iter()
@@ -666,13 +730,54 @@ fn output_dimension(
     found
 }
 
+/// Refuses a unit in which a criterion cannot be shown.
+fn refuse_unit(
+    study: &Study,
+    name: &str,
+    criterion: &Criterion,
+    dimension: Dimension,
+    kind: RunKind,
+) -> Result<(), Fault> {
+    let Some((unit, span)) = &criterion.unit else {
+        return Ok(());
+    };
+    if unit.dimension.accepts(&dimension) || dimension.accepts(&unit.dimension) {
+        return Ok(());
+    }
+    Err(Fault::at(
+        &study.source,
+        *span,
+        format!(
+            "`{name}` is {}, which cannot be shown in `{}`",
+            crate::amount::described(dimension),
+            unit.text
+        ),
+    )
+    .help(if kind == RunKind::Transient {
+        "write a unit of the same dimension, or leave `unit` out"
+    } else {
+        "a response is over its input: metres by metres make a plain number"
+    }))
+}
+
 impl Program {
-    fn value(&self, readings: &[f64], inputs: &mut Vec<f64>, work: &mut Vec<f64>) -> f64 {
+    /// The value, of those of the readings and of the criteria before this one.
+    fn value(
+        &self,
+        readings: &[f64],
+        criteria: &[f64],
+        inputs: &mut Vec<f64>,
+        work: &mut Vec<f64>,
+    ) -> f64 {
+        let (places, values) = match &self.inputs {
+            Inputs::Readings => (&self.readings, readings),
+            Inputs::Criteria(parts) => (parts, criteria),
+        };
         inputs.clear();
         inputs.extend(
-            self.readings
+            places
                 .iter()
-                .map(|index| readings.get(*index).copied().unwrap_or(f64::NAN)),
+                .map(|index| values.get(*index).copied().unwrap_or(f64::NAN)),
         );
         let mut out = [f64::NAN];
         self.tape.evaluate(inputs, work, &mut out);

@@ -221,8 +221,8 @@ pub const RUN: KeySet = KeySet {
         ),
         Key::optional(
             "start",
-            Shape::Choice(&["stated", "equilibrium"]),
-            "transient: where it starts: as the host says (unless given), or in static equilibrium.",
+            Shape::AnyOf(&[Shape::Choice(&["stated", "equilibrium"]), AMOUNTS]),
+            "transient: where it starts: as the host says (unless given), in static equilibrium, or as the host says but for the coordinates, rates and states given: `{ x = \"1 mm\", \"x'\" = \"2 m/s\" }`.",
         ),
         Key::optional(
             "inputs",
@@ -291,10 +291,18 @@ pub const PHASE: KeySet = KeySet {
 /// `[criteria.NAME]`.
 pub const CRITERION: KeySet = KeySet {
     title: "Criterion",
-    documentation: "One number taken from a run. Over frequency: `max(abs(y))`, `abs(y, 12 Hz)`, `h2(y)`, `rms(y)`, `variance(y)`; of modes: `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`. y is linear in coordinates, inputs and outputs (`xe - xs`, `xe''`, `force(PORT)`, `stroke(track1)`); where the host is written as equations or a device holds a nonlinear element, any expression, taken linear about the static equilibrium with inputs at rest. Of motion in time, s and b being any expressions of signals: `max(s)`, `min(s)` (of `beyond(s)`: after the end event), `peak(s, n)`, `trough(s, n)`, `crossing(s, n)` (the time of the n-th rise through zero), `initial(s)`, `final(s)`, `at(s, TIME)`, `mean(s)`, `rms(s)`, `integral(s)` over time, `integral(s, b)` over b, `settling(s, BAND)`, `settling(s, TARGET, BAND)`; of a device or element `potential(NAME)`, `kinetic(NAME)`, `stored(NAME)`, `dissipated(NAME)`; `energy_error`.",
+    documentation: "One number taken from a run, or from other criteria. Over frequency: `max(abs(y))`, `abs(y, 12 Hz)`, `h2(y)`, `rms(y)`, `variance(y)`; of modes: `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`. y is linear in coordinates, inputs and outputs (`xe - xs`, `xe''`, `force(PORT)`, `stroke(track1)`); where the host is written as equations or a device holds a nonlinear element, any expression, taken linear about the static equilibrium with inputs at rest. Of motion in time, s and b being any expressions of signals: `max(s)`, `min(s)` (of `beyond(s)`: after the end event), `peak(s, n)`, `trough(s, n)`, `largest(s, n)` (the n-th largest peak over the whole run), `span(s, LEVEL)` (from the first to the last time above it), `crossing(s, n)` (the time of the n-th rise through zero), `initial(s)`, `final(s)`, `at(s, TIME)`, `mean(s)`, `rms(s)`, `integral(s)` over time, `integral(s, b)` over b, `settling(s, BAND)`, `settling(s, TARGET, BAND)`, `decay_rate(s)` (of the peaks of s); `span` and `settling` may end with a factor, `span(s, LEVEL, 1.1)`: swings that do not reach so many times the level do not count; of a device or element `potential(NAME)`, `kinetic(NAME)`, `stored(NAME)`, `dissipated(NAME)`; `energy_error`.",
     keys: &[
-        Key::required("run", Shape::Text, "Name of the run."),
-        Key::required("value", Shape::Expression, "The number."),
+        Key::optional(
+            "run",
+            Shape::Text,
+            "Name of the run. Left out, `value` is an expression of other criteria: their weighted sum, the worse of two runs.",
+        ),
+        Key::required(
+            "value",
+            Shape::Expression,
+            "The number. Without `run`: `\"max(slip/1.25e-2, force/1.4e-2)\"`, of names of criteria and the host's parameters.",
+        ),
         Key::optional(
             "unit",
             Shape::Text,
@@ -347,8 +355,12 @@ pub const TASK: KeySet = KeySet {
         ),
         Key::optional(
             "candidates",
-            Shape::MapOf(&Shape::AnyOf(&[TEXTS, Shape::Table(&BUDGET)])),
-            "design: for each slot (or device without `layout`) a list of layouts, or a budget of which all layouts are tried.",
+            Shape::MapOf(&Shape::AnyOf(&[
+                TEXTS,
+                Shape::Table(&BUDGET),
+                Shape::Table(&IMMITTANCE),
+            ])),
+            "design: for each slot (or device without `layout`) a list of layouts (`\"k1 | c1\"`, or by name `\"catalogue: TVMD\"`), a budget of which all layouts are tried, or the order of a function `{ immittance = \"biquadratic\" }`.",
         ),
         Key::optional("fixed", AMOUNTS, "design: values that are given."),
         Key::optional(
@@ -380,6 +392,11 @@ pub const TASK: KeySet = KeySet {
             "feasibility",
             Shape::Number,
             "design: relative tolerance within which a constraint holds; 1e-6 unless given.",
+        ),
+        Key::optional(
+            "simplify",
+            Shape::Boolean,
+            "design: make the best design smaller: without each of its elements in turn (taken out, or made rigid), searched again, down to one element. Elements under `fixed` stay.",
         ),
         Key::optional(
             "sweep",
@@ -428,6 +445,18 @@ pub const BUDGET: KeySet = KeySet {
             "Also layouts with two like single elements side by side in one group; false unless given.",
         ),
     ],
+    others: None,
+};
+
+/// A function of given order.
+pub const IMMITTANCE: KeySet = KeySet {
+    title: "Immittance",
+    documentation: "The device as a function Y(s), force over velocity, of given order: (b s² + (c + c0) s + k)/(tau s² + s + rho) with c0 = (√(b rho) - √(k tau))², all coefficients at least zero, reaches every positive-real biquadratic; bilinear is (c s + k)/(s + rho) and b s + c. A function with a pole at infinity (tau = 0) is a candidate of its own. `bounds` gives ranges of `b`, `c`, `k`, `tau` (a time) and `rho` (a rate). What is found is synthesised.",
+    keys: &[Key::required(
+        "immittance",
+        Shape::Choice(&["bilinear", "biquadratic"]),
+        "The order.",
+    )],
     others: None,
 };
 

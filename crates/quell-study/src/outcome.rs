@@ -2,6 +2,7 @@
 
 use indexmap::IndexMap;
 use quell_network::{Domain, Layout};
+use serde::Serialize;
 
 use crate::results::{CriterionDetail, Ledger, Results};
 use crate::study::{Objective, Sense};
@@ -111,6 +112,8 @@ pub struct DesignFindings {
     pub references: Vec<Reference>,
     /// Best first.
     pub designs: Vec<Design>,
+    /// The best design of each number of elements, from many to one; empty unless the task asks for it.
+    pub simplified: Vec<Simplified>,
     /// How many layouts were tried, and up to which equivalence each was listed once.
     pub candidates: String,
 }
@@ -178,6 +181,51 @@ pub struct Design {
     pub status: String,
     /// What else should be known, in words: flat directions, layouts that lie behind a bound, which constraint costs what.
     pub remarks: Vec<String>,
+    /// Of a design that is a function: networks that have it.
+    pub synthesis: Vec<Synthesis>,
+}
+
+/// A function that was found, with networks that have it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Synthesis {
+    /// Name of the device.
+    pub device: String,
+    /// Coefficients of the admittance's numerator by power of s, lowest first, SI.
+    pub numerator: Vec<f64>,
+    /// Coefficients of its denominator.
+    pub denominator: Vec<f64>,
+    /// Networks, the fewest elements first.
+    pub networks: Vec<RealisedNetwork>,
+    /// In words: how many elements it takes, or why there is no network.
+    pub status: String,
+}
+
+/// A network that has a function.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RealisedNetwork {
+    /// How it was found.
+    pub method: String,
+    /// A layout, or a bridge with its nodes.
+    pub network: String,
+    /// Whether it is a layout.
+    pub is_series_parallel: bool,
+    /// Values of its elements, SI.
+    pub values: IndexMap<String, f64>,
+    /// Distance between its admittance and the function.
+    pub residual: f64,
+}
+
+/// The best design of a number of elements.
+#[derive(Debug, Clone)]
+pub struct Simplified {
+    /// How many elements it has.
+    pub elements: usize,
+    /// What was left out, of which layout.
+    pub without: String,
+    /// How many layouts of this number of elements were searched.
+    pub tried: usize,
+    /// The best of them.
+    pub design: Design,
 }
 
 /// A device with values.

@@ -171,7 +171,10 @@ fn quantity(study: &Study, criterion: &str) -> String {
             signal = arguments.first().map(ToString::to_string);
         }
     });
-    match (signal, study.runs.get(&known.run)) {
+    match (
+        signal,
+        known.run.as_ref().and_then(|run| study.runs.get(run)),
+    ) {
         (Some(signal), Some(crate::study::Run::Frequency(run))) => {
             format!("|{signal} / {}|", run.input)
         }

@@ -7,7 +7,7 @@ use crate::outcome::{
 };
 use crate::results::{
     ConfigurationResult, DesignResult, DeviceResult, EngineFacts, FORMAT, LayoutFrontResult,
-    ObjectiveResult, ReferenceResult, Results, StudyFacts, SweepPoint, TaskBody, TaskFindings,
+    ObjectiveResult, ReferenceResult, Results, SimplifiedResult, StudyFacts, SweepPoint, TaskBody, TaskFindings,
     TaskResult,
 };
 use crate::study::{Sense, Study};
@@ -104,6 +104,16 @@ fn findings(found: &Findings) -> (String, TaskFindings) {
                 TaskFindings::Design {
                     references,
                     designs,
+                    simplified: design
+                        .simplified
+                        .iter()
+                        .map(|one| SimplifiedResult {
+                            elements: one.elements,
+                            without: one.without.clone(),
+                            tried: one.tried,
+                            design: design_result(&one.design),
+                        })
+                        .collect(),
                 },
             )
         }
@@ -178,6 +188,25 @@ fn front_result(front: &FrontFindings) -> TaskFindings {
                     .collect(),
             })
             .collect(),
+    }
+}
+
+fn design_result(one: &Design) -> DesignResult {
+    DesignResult {
+        rank: one.rank,
+        devices: devices(&one.configuration.devices),
+        objective: one.objective,
+        criteria: one.configuration.criteria.clone(),
+        details: one.configuration.details.clone(),
+        improvement: one.improvement.clone(),
+        feasible: one.feasible,
+        violation: one.violation,
+        active_bounds: one.active_bounds.clone(),
+        starts: one.starts,
+        starts_agreeing: one.starts_agreeing,
+        evaluations: one.evaluations,
+        status: one.status.clone(),
+        synthesis: one.synthesis.clone(),
     }
 }
 

@@ -6,6 +6,8 @@
 use indexmap::IndexMap;
 use serde::Serialize;
 
+use crate::outcome::Synthesis;
+
 /// The version of this format; it changes only when a reader of the old one would be misled.
 pub const FORMAT: u32 = 1;
 
@@ -98,6 +100,9 @@ pub enum TaskFindings {
         references: IndexMap<String, ReferenceResult>,
         /// Best first.
         designs: Vec<DesignResult>,
+        /// The best design of each number of elements, from many to one.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        simplified: Vec<SimplifiedResult>,
     },
     /// Of a `design` task with several objectives.
     Front {
@@ -246,6 +251,9 @@ pub struct DesignResult {
     /// What else should be known, in words: values that hardly matter, layouts that lie behind a bound.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<String>,
+    /// Of a design that is a function: the function, and networks that have it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub synthesis: Vec<Synthesis>,
 }
 
 /// An objective of a task that has several.
@@ -266,4 +274,18 @@ pub struct LayoutFrontResult {
     /// point that a design of another layout beats in every objective; `objective` is the criterion that was searched to
     /// find the point.
     pub points: Vec<DesignResult>,
+}
+
+/// The best design of a number of elements.
+#[derive(Debug, Clone, Serialize)]
+pub struct SimplifiedResult {
+    /// How many elements it has.
+    pub elements: usize,
+    /// What was left out, of which layout.
+    pub without: String,
+    /// How many layouts of this number of elements were searched.
+    pub tried: usize,
+    /// The best of them.
+    #[serde(flatten)]
+    pub design: DesignResult,
 }

@@ -6,6 +6,8 @@ mod front;
 mod recorder;
 mod remarks;
 mod starts;
+mod simplify;
+mod synthesis;
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -11,6 +11,7 @@ use quell_network::{Domain, Kinds, Layout};
 use quell_search::Scale;
 
 use crate::amount::Amount;
+use crate::immittance::Form;
 
 /// A study: host, what may be bolted on, what is computed, what hurts, and what is asked.
 #[derive(Debug, Clone)]
@@ -33,6 +34,8 @@ pub struct Study {
     pub kinds: Declared,
     /// Named sub-networks with design variables.
     pub components: IndexMap<String, Component>,
+    /// Components that are positive-real functions, by name.
+    pub immittances: IndexMap<String, Form>,
     /// Nonlinear elements by name.
     pub laws: IndexMap<String, ForceLawSpec>,
     /// What may be bolted on, and where.
@@ -171,10 +174,12 @@ pub struct Excitation {
 }
 
 /// Where a run in time starts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub enum StartAt {
     /// As the host says.
     Stated,
+    /// As the host says, but for these coordinates, rates and states.
+    States(IndexMap<String, Amount>),
     /// In static equilibrium.
     Equilibrium,
 }
@@ -244,11 +249,11 @@ pub struct FrequencyRun {
     pub span: Span,
 }
 
-/// One number taken from a run.
+/// One number taken from a run, or from other criteria.
 #[derive(Debug, Clone)]
 pub struct Criterion {
-    /// Name of the run.
-    pub run: String,
+    /// Name of the run; none of an expression of other criteria.
+    pub run: Option<String>,
     /// What it is: an expression over the run.
     pub value: Expression,
     /// The unit in which people read it.
@@ -353,6 +358,8 @@ pub struct DesignTask {
     pub agree: Option<Agree>,
     /// Relative feasibility tolerance.
     pub feasibility: f64,
+    /// Whether the best design is made smaller, element by element.
+    pub simplify: bool,
     /// Where the task's objective stands.
     pub place: Span,
 }

@@ -86,9 +86,13 @@ Examples:
   quell layouts --springs 2 --dampers 2 --inerters 2 --count
   quell layouts --springs 1 --dampers 1 --masses 1
   quell layouts --kinds pipe,orifice --branches 4 --at-least pipe=1 --compound pipe
+  quell layouts --catalogue
 
 `+` is series, `|` is parallel, `+` binds tighter. Each layout is listed once, up to the order inside a group.")]
 pub(crate) struct LayoutOptions {
+    /// List the devices that have a name in the field, with their sources
+    #[arg(long, exclusive = true)]
+    pub(crate) catalogue: bool,
     /// Number of springs
     #[arg(
         long,

@@ -2,7 +2,7 @@
 
 use std::io::{self, IsTerminal, Write};
 
-use quell_network::{Budget, Domain, Element, Enumeration, Equivalence, Kinds};
+use quell_network::{Budget, CATALOGUE, Domain, Element, Enumeration, Equivalence, Kinds};
 
 use crate::arguments::LayoutOptions;
 use crate::terminal::{self, Exit};
@@ -11,6 +11,9 @@ use crate::terminal::{self, Exit};
 const MOST_WITH_MASSES: u128 = 100_000_000;
 
 pub(crate) fn layouts(options: &LayoutOptions) -> Result<(), Exit> {
+    if options.catalogue {
+        return terminal::print(&catalogue());
+    }
     let enumeration = enumeration(options)?;
     // Of the layouts with masses only those exist in which every mass ends the device.
     let masses = options.masses > 0;
@@ -49,6 +52,47 @@ pub(crate) fn layouts(options: &LayoutOptions) -> Result<(), Exit> {
         ))?;
     }
     Ok(())
+}
+
+/// Name, layout, words and source of every device that has a name.
+fn catalogue() -> String {
+    let layouts: Vec<String> = CATALOGUE
+        .iter()
+        .map(|entry| match entry.text() {
+            Some(text) => text.to_owned(),
+            None => entry
+                .parts
+                .iter()
+                .map(|part| {
+                    let (from, to) = part.between;
+                    if from == to {
+                        format!("{} at {from}", part.layout)
+                    } else {
+                        format!("{} {from} to {to}", part.layout)
+                    }
+                })
+                .collect::<Vec<_>>()
+                .join(", "),
+        })
+        .collect();
+    let width = |texts: &mut dyn Iterator<Item = usize>| texts.max().unwrap_or(0);
+    let names = width(&mut CATALOGUE.iter().map(|entry| entry.name.len()));
+    let wide = width(
+        &mut layouts
+            .iter()
+            .map(String::len)
+            .filter(|length| *length < 40),
+    );
+    CATALOGUE
+        .iter()
+        .zip(&layouts)
+        .map(|(entry, layout)| {
+            format!(
+                "{:names$}  {layout:wide$}  {} ({})\n",
+                entry.name, entry.title, entry.source
+            )
+        })
+        .collect()
 }
 
 fn enumeration(options: &LayoutOptions) -> Result<Enumeration, Exit> {

@@ -158,6 +158,42 @@ impl Printer<'_> {
         if more > 0 {
             let _ = writeln!(text, "  … and {more} more in the report");
         }
+        for (found, synthesis) in findings
+            .designs
+            .iter()
+            .take(shown)
+            .flat_map(|found| found.synthesis.iter().map(move |one| (found, one)))
+        {
+            let _ = writeln!(
+                text,
+                "\n  function {} of `{}`: {}",
+                found.rank, synthesis.device, synthesis.status
+            );
+            for network in &synthesis.networks {
+                let values: Vec<String> = network
+                    .values
+                    .iter()
+                    .map(|(name, value)| format!("{name} = {value:.4e}"))
+                    .collect();
+                let _ = writeln!(
+                    text,
+                    "    {} ({}): {}",
+                    network.network,
+                    network.method,
+                    values.join(", ")
+                );
+            }
+        }
+        if let Some(most) = findings.simplified.first() {
+            let _ = writeln!(text, "\n  the best with fewer elements");
+            let mut table =
+                self.design_table("elements", 0, findings, &names, &most.design.configuration);
+            for one in &findings.simplified {
+                let lead = one.elements.to_string();
+                self.design_row(&mut table, lead, &one.design, findings, &names);
+            }
+            text.push_str(&table.text(2, WIDTH));
+        }
     }
 
     /// The front of all layouts together, from one end to the other.

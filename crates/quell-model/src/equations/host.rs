@@ -274,6 +274,52 @@ impl EquationHost {
             .collect()
     }
 
+    /// What a run in time may be told to begin with: coordinates, their rates (`x'`) and states, with their SI dimensions.
+    #[must_use]
+    pub fn beginnings(&self) -> Vec<(String, Dimension)> {
+        let time = if self.dimensionless {
+            Dimension::NONE
+        } else {
+            Dimension::TIME
+        };
+        let coordinates = self.coordinates.iter().flat_map(|coordinate| {
+            let rate = coordinate.dimension / time;
+            [
+                (coordinate.name.clone(), coordinate.dimension),
+                (format!("{}'", coordinate.name), rate),
+            ]
+        });
+        let states = self
+            .states
+            .iter()
+            .map(|state| (state.name.clone(), state.dimension));
+        coordinates.chain(states).collect()
+    }
+
+    /// Has runs in time begin with one of [`beginnings`](Self::beginnings) at a value (SI). False if there is none of this name.
+    pub fn begin_with(&mut self, name: &str, value: f64) -> bool {
+        let slot = self.graph.constant(value);
+        let (plain, is_rate) = match name.strip_suffix('\'') {
+            Some(plain) => (plain, true),
+            None => (name, false),
+        };
+        if let Some(coordinate) = self.coordinates.iter_mut().find(|one| one.name == plain) {
+            if is_rate {
+                coordinate.rate = slot;
+            } else {
+                coordinate.start = slot;
+            }
+            return true;
+        }
+        match self.states.iter_mut().find(|one| one.name == name) {
+            Some(state) => {
+                state.start = slot;
+                true
+            }
+            None => false,
+        }
+    }
+
     /// As [`nominal`](Self::nominal), with coordinates, rates and states where a run begins, and inputs at t = 0.
     #[must_use]
     pub fn start(&self) -> Vec<f64> {

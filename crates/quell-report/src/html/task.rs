@@ -30,6 +30,11 @@ pub(super) fn section(task: &TaskSection, index: usize) -> Markup {
             @for words in &task.words { p.prose { (prose(words)) } }
             @if task.sweep.is_empty() {
                 (results(task, &task.designs, &task.configurations, &id))
+                @if !task.smaller.is_empty() {
+                    h3 { "What fewer elements cost" }
+                    p.prose { "The best design of each number of elements: every element was taken out or made rigid in turn, and what was left searched anew." }
+                    (ranks_table(task, &task.smaller, 0.0, "Elements"))
+                }
             } @else {
                 (sweep(task, &id))
             }
@@ -189,11 +194,11 @@ fn ranks(task: &TaskSection, designs: &[Design]) -> Markup {
         .fold(0.0, f64::max);
     html! {
         h3 { "Further layouts" }
-        (ranks_table(task, near, best_gain))
+        (ranks_table(task, near, best_gain, "Rank"))
         @if !far.is_empty() {
             details {
                 summary { "Ranks " (near.len() + 2) " to " (designs.len()) }
-                (ranks_table(task, far, best_gain))
+                (ranks_table(task, far, best_gain, "Rank"))
             }
         }
         @if rest.iter().any(|design| any_active(&design.devices)) {
@@ -202,13 +207,13 @@ fn ranks(task: &TaskSection, designs: &[Design]) -> Markup {
     }
 }
 
-fn ranks_table(task: &TaskSection, designs: &[Design], best_gain: f64) -> Markup {
+fn ranks_table(task: &TaskSection, designs: &[Design], best_gain: f64, lead: &str) -> Markup {
     // The first criterion of a design task is its objective and has a column of its own.
     let others = task.criteria.iter().enumerate().skip(1);
     html! {
         table.ranks {
             thead { tr {
-                th.number { "Rank" } th { "Network" } th { "Values" }
+                th.number { (lead) } th { "Network" } th { "Values" }
                 th.number { @if let Some(column) = task.criteria.first() { code { (column.name) } } @else { "Objective" } }
                 @for reference in &task.references { th.number { "Improvement" br; "on " (reference.name) } }
                 @for (_, column) in others.clone() { (criterion_head(column)) }

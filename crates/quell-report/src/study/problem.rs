@@ -102,7 +102,10 @@ impl Bridge<'_> {
             .iter()
             .map(|(name, criterion)| CriterionRow {
                 name: name.clone(),
-                meaning: format!("{}, run `{}`", self.meaning(criterion), criterion.run),
+                meaning: match &criterion.run {
+                    Some(run) => format!("{}, run `{run}`", self.meaning(criterion)),
+                    None => format!("{}, of other criteria", self.meaning(criterion)),
+                },
                 unit: super::shown_unit(self.study, name, &si_unit(outcome, name))
                     .1
                     .to_owned(),

@@ -23,6 +23,54 @@ const DRAWN: usize = 3;
 /// Points of a sweep whose responses are drawn in one picture.
 const DRAWN_POINTS: usize = 6;
 
+/// The function of the best design and its networks in words; none where it is no function.
+fn synthesis_words(point: &PointOutcome) -> Vec<String> {
+    let Findings::Design(findings) = &point.findings else {
+        return Vec::new();
+    };
+    let Some(best) = findings.designs.first() else {
+        return Vec::new();
+    };
+    let polynomial = |coefficients: &[f64]| {
+        let terms: Vec<String> = coefficients
+            .iter()
+            .enumerate()
+            .rev()
+            .filter(|(_, value)| **value != 0.0)
+            .map(|(power, value)| match power {
+                0 => format!("{value:.4e}"),
+                1 => format!("{value:.4e} s"),
+                _ => format!("{value:.4e} s^{power}"),
+            })
+            .collect();
+        terms.join(" + ")
+    };
+    let mut words = Vec::new();
+    for synthesis in &best.synthesis {
+        words.push(format!(
+            "The best `{}` is the function `Y(s) = ({})/({})`, {}.",
+            synthesis.device,
+            polynomial(&synthesis.numerator),
+            polynomial(&synthesis.denominator),
+            synthesis.status
+        ));
+        for network in &synthesis.networks {
+            let values: Vec<String> = network
+                .values
+                .iter()
+                .map(|(name, value)| format!("{name} = {value:.4e}"))
+                .collect();
+            words.push(format!(
+                "By {}: `{}` with `{}`.",
+                network.method,
+                network.network,
+                values.join(", ")
+            ));
+        }
+    }
+    words
+}
+
 impl Bridge<'_> {
     pub(super) fn task(&self, task: &TaskOutcome, outcome: &RunOutcome) -> TaskSection {
         let asked = self
@@ -94,6 +142,8 @@ impl Bridge<'_> {
             section.plots = self.swept_plots(asked, task);
         } else if let Some(point) = first {
             section.designs = self.designs(point, design, &section.criteria);
+            section.smaller = self.smaller(point, design, &section.criteria);
+            section.words.extend(synthesis_words(point));
             section.configurations = self.configurations(point, &section.criteria);
             if let Findings::Front(front) = &point.findings {
                 section.references = self.reference_rows(
@@ -225,6 +275,28 @@ impl Bridge<'_> {
             .map(|found| {
                 let about = (findings.objective.as_str(), findings.references.as_slice());
                 self.design(found, about, point, design, columns)
+            })
+            .collect()
+    }
+
+    fn smaller(
+        &self,
+        point: &PointOutcome,
+        design: Option<&DesignTask>,
+        columns: &[CriterionColumn],
+    ) -> Vec<page::Design> {
+        let Findings::Design(findings) = &point.findings else {
+            return Vec::new();
+        };
+        findings
+            .simplified
+            .iter()
+            .map(|one| {
+                let about = (findings.objective.as_str(), findings.references.as_slice());
+                page::Design {
+                    rank: one.elements,
+                    ..self.design(&one.design, about, point, design, columns)
+                }
             })
             .collect()
     }

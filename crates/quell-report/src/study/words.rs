@@ -11,7 +11,11 @@ use super::Bridge;
 impl Bridge<'_> {
     /// What a criterion means: what is taken of the run, and the expression around it.
     pub(super) fn meaning(&self, criterion: &Criterion) -> String {
-        let Some(run) = self.study.runs.get(&criterion.run) else {
+        let Some((name, run)) = criterion
+            .run
+            .as_ref()
+            .and_then(|name| Some((name, self.study.runs.get(name)?)))
+        else {
             return format!("`{}`", criterion.value);
         };
         let mut found = None;
@@ -25,7 +29,7 @@ impl Bridge<'_> {
                 format!("{words}: `{whole}`")
             }
             Some((words, _)) => format!("`{}`, from the {words}", criterion.value),
-            None => format!("`{}` of run `{}`", criterion.value, criterion.run),
+            None => format!("`{}` of run `{name}`", criterion.value),
         }
     }
 
@@ -49,8 +53,12 @@ impl Bridge<'_> {
                 }
                 text
             }
-            Run::Modes { oscillatory: true } => "free oscillatory modes".to_owned(),
-            Run::Modes { oscillatory: false } => "free modes".to_owned(),
+            Run::Modes {
+                oscillatory: true, ..
+            } => "free oscillatory modes".to_owned(),
+            Run::Modes {
+                oscillatory: false, ..
+            } => "free modes".to_owned(),
             Run::Transient(run) => {
                 let mut text = "motion in time".to_owned();
                 match &run.end {

@@ -1,5 +1,6 @@
 //! Reading signals from one or several trajectories: the functions that criteria and reports are made of.
 
+mod excursions;
 mod extrema;
 mod quadrature;
 mod samples;
@@ -9,6 +10,7 @@ use super::dynamics::Dynamics;
 use super::event::{Condition, Direction};
 use super::trajectory::Trajectory;
 
+pub use excursions::Excursion;
 use quadrature::Integrand;
 
 /// Where a signal is largest or smallest, and how large it is there.
@@ -260,40 +262,10 @@ impl<'a> Record<'a> {
 
     /// The intervals of time in which a condition holds.
     pub fn holds(&mut self, condition: Condition) -> Vec<(f64, f64)> {
-        let samples = self.refined(condition.signal);
-        let margin = |value: f64| {
-            if condition.above {
-                value - condition.value
-            } else {
-                condition.value - value
-            }
-        };
-        let mut intervals = Vec::new();
-        let mut since = None;
-        for (i, &(t, value)) in samples.iter().enumerate() {
-            let holds = margin(value) > 0.0;
-            if holds != since.is_some() {
-                let at = if i == 0 {
-                    t
-                } else {
-                    self.crossing(
-                        condition.signal,
-                        condition.value,
-                        samples[i - 1],
-                        samples[i],
-                    )
-                };
-                if holds {
-                    since = Some(at);
-                } else if let Some(since) = since.take() {
-                    intervals.push((since, at));
-                }
-            }
-        }
-        if let (Some(since), Some(last)) = (since, samples.last()) {
-            intervals.push((since, last.0));
-        }
-        intervals
+        self.excursions(condition)
+            .iter()
+            .map(|excursion| (excursion.from, excursion.to))
+            .collect()
     }
 
     /// Settling time: the least t, counted from the start of the window, after which |s - target| ≤ band until its end. `None` where

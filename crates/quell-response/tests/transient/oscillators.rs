@@ -125,6 +125,29 @@ fn free_vibration() {
         }
         assert!((settled - a).abs() < 1e-6, "{settled} {a}");
         assert_eq!(record.settling(0, 0.0, 1e-9), None);
+        // Decaying peaks are ranked as they come, and their logarithms lie on a line of slope -ζ.
+        assert_eq!(record.ranked_peak(0, 2), Some(peaks[1]));
+        assert_eq!(
+            (record.ranked_peak(0, 0), record.ranked_peak(0, 7)),
+            (None, None)
+        );
+        let rate = record.decay_rate(0).unwrap();
+        assert!((rate - zeta).abs() < 1e-4, "{rate}");
+        // Beyond the band of settling: the last stretch ends when it has settled, on whichever side.
+        let beyond = record.departures(0, 0.0, 0.1);
+        assert!(
+            beyond
+                .iter()
+                .all(|stretch| !stretch.cut && stretch.from < stretch.to)
+        );
+        assert!((beyond.last().unwrap().to - settled).abs() < 1e-9);
+        for stretch in &beyond[1..] {
+            let n = (stretch.extreme.t * damped / (TAU / 2.0)).round();
+            let size = (-zeta * n * TAU / 2.0 / damped).exp();
+            assert!((stretch.extreme.value.abs() - size).abs() < 10.0 * tolerance);
+        }
+        let last = record.departures(0, 0.0, 1e-9);
+        assert!(last.last().unwrap().cut);
         assert_eq!(record.settling(0, 0.0, 2.0), Some(0.0));
     }
 }

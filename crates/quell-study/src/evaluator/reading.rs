@@ -158,6 +158,7 @@ pub(super) fn in_time(
     simulated: &Simulated<'_>,
     observation: &Observation,
     (value, time): (f64, Option<f64>),
+    remark: Option<String>,
 ) -> (f64, Known) {
     let status = if let Some(failure) = &simulated.failure {
         failure.clone()
@@ -166,7 +167,7 @@ pub(super) fn in_time(
     } else if simulated.grazes() {
         "computed, but an event is grazed: it is touched rather than crossed, so a small change of any value may end the run much later".to_owned()
     } else {
-        "computed".to_owned()
+        remark.unwrap_or_else(|| "computed".to_owned())
     };
     (
         value,

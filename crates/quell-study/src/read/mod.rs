@@ -1,10 +1,13 @@
 //! From a study file to a [`Study`]: keys checked, names resolved, layouts parsed; every fault at its place.
 
 mod devices;
+mod immittance;
 mod objectives;
 mod sweep;
 mod tasks;
 mod transient;
+
+pub(crate) use tasks::kinds_of;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,6 +18,7 @@ use quell_expression::{Function, Span, Unit, nearest};
 use quell_model::{HostFile, LinearHost, Waveform};
 
 use crate::amount::Amount;
+use crate::combination;
 use crate::criteria::Modal;
 use crate::keys;
 use crate::study::{Criterion, FrequencyRun, ReportWishes, Run, Study};
@@ -72,6 +76,7 @@ impl Study {
             overrides,
             kinds,
             components,
+            immittances: IndexMap::new(),
             laws,
             devices,
             runs,
@@ -79,6 +84,7 @@ impl Study {
             tasks: Vec::new(),
             report: report(root.get("report"))?,
         };
+        immittance::declare(&root.require("tasks")?, &mut study)?;
         study.tasks = tasks::tasks(&root.require("tasks")?, &study)?;
         Ok(study)
     }
@@ -405,6 +411,7 @@ fn criteria(
 ) -> Result<IndexMap<String, Criterion>, Fault> {
     let table = named_tables(value, "criteria")?;
     let mut criteria = IndexMap::new();
+    let names: Vec<&str> = table.entries().map(|(name, _, _)| name).collect();
     for (name, span, value) in table.entries() {
         check_name(name, span, &table)?;
         if Modal::NAMES.contains(&name) {
@@ -417,9 +424,14 @@ fn criteria(
         }
         let entry = value.as_table()?;
         entry.check(&keys::CRITERION)?;
-        let run = entry.require("run")?;
-        resolve(&run, "run", runs.keys().map(String::as_str))?;
         let expression = entry.require("value")?;
+        let run = entry.get("run");
+        match &run {
+            Some(run) => {
+                resolve(run, "run", runs.keys().map(String::as_str))?;
+            }
+            None => of_criteria(&entry, &expression, &names, runs)?,
+        }
         let unit = entry
             .get("unit")
             .map(|value| {
@@ -449,7 +461,7 @@ fn criteria(
         criteria.insert(
             name.to_owned(),
             Criterion {
-                run: run.as_str()?.to_owned(),
+                run: run.map(|run| run.as_str().map(str::to_owned)).transpose()?,
                 value: expression.expression()?,
                 unit,
                 tolerance,
@@ -457,7 +469,30 @@ fn criteria(
             },
         );
     }
+    combination::refuse_cycles(&criteria, table.source())?;
     Ok(criteria)
+}
+
+/// A criterion without a run is an expression of other criteria.
+fn of_criteria(
+    entry: &Table<'_>,
+    value: &Value<'_>,
+    names: &[&str],
+    runs: &IndexMap<String, Run>,
+) -> Result<(), Fault> {
+    let expression = value.expression()?;
+    if expression.names().iter().any(|name| names.contains(name)) {
+        return Ok(());
+    }
+    let fault = entry.fault("this criterion names neither a run nor other criteria");
+    let runs: Vec<String> = runs
+        .keys()
+        .map(|run| format!("`run = \"{run}\"`"))
+        .collect();
+    Err(fault.help(format!(
+        "add {}, or write an expression of criteria",
+        runs.join(" or ")
+    )))
 }
 
 fn report(value: Option<Value<'_>>) -> Result<ReportWishes, Fault> {

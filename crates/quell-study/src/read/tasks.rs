@@ -5,7 +5,7 @@ use quell_document::{Fault, Table, Value};
 use quell_expression::{ComparisonOperator, Expression, Node, Span};
 use quell_network::{Budget, Domain, Enumeration, EnumerationError, Equivalence, Kinds, Layout};
 
-use super::{amounts_of, devices, objectives, resolve, sweep, transient, unknown};
+use super::{amounts_of, devices, immittance, objectives, resolve, sweep, transient, unknown};
 use crate::amount::Amount;
 use crate::built::domain_of;
 use crate::keys;
@@ -86,6 +86,7 @@ fn refuse_strangers(table: &Table<'_>, kind: &str) -> Result<(), Fault> {
             "most_starts",
             "front_points",
             "feasibility",
+            "simplify",
         ]
     } else {
         &["configurations"]
@@ -103,7 +104,7 @@ fn refuse_strangers(table: &Table<'_>, kind: &str) -> Result<(), Fault> {
 }
 
 /// The kinds with which layouts of a slot's domain are read.
-fn kinds_of(study: &Study, domain: Domain) -> Kinds {
+pub(crate) fn kinds_of(study: &Study, domain: Domain) -> Kinds {
     study
         .kinds
         .of(domain)
@@ -144,7 +145,7 @@ impl Slot {
 }
 
 /// The slot of a name; none where no slot answers to it.
-fn slot_of(study: &Study, name: &str, span: Span) -> Result<Option<Slot>, Fault> {
+pub(super) fn slot_of(study: &Study, name: &str, span: Span) -> Result<Option<Slot>, Fault> {
     let mut answering: Vec<Slot> = slots(study)
         .into_iter()
         .filter(|slot| slot.answers_to(name))
@@ -355,8 +356,29 @@ fn design(table: &Table<'_>, study: &Study) -> Result<DesignTask, Fault> {
         starts,
         agree,
         feasibility,
+        simplify: simplify(table, study)?,
         place,
     })
+}
+
+/// Whether the best design is made smaller.
+fn simplify(table: &Table<'_>, study: &Study) -> Result<bool, Fault> {
+    let Some(value) = table.get("simplify") else {
+        return Ok(false);
+    };
+    let wanted = value.as_bool()?;
+    let slots = table
+        .get("candidates")
+        .and_then(|value| Some(value.as_table().ok()?.entries().count()));
+    if wanted && slots.is_some_and(|slots| slots != 1) {
+        return Err(Fault::at(
+            &study.source,
+            value.span(),
+            "several slots are designed at once, and one at a time can be made smaller",
+        )
+        .help("leave `simplify` out, or design one slot in this task"));
+    }
+    Ok(wanted)
 }
 
 fn references(value: &Value<'_>) -> Result<Vec<(String, Span)>, Fault> {
@@ -455,7 +477,12 @@ fn candidates(table: &Table<'_>, study: &Study) -> Result<IndexMap<Slot, Candida
     for (name, span, value) in value.as_table()?.entries() {
         let slot = slot_of(study, name, span)?.ok_or_else(|| no_such_slot(study, name, span))?;
         let kinds = kinds_of(study, domain_of(study, &slot));
-        let set = if value.is_table() {
+        let set = if value
+            .as_table()
+            .is_ok_and(|table| table.get("immittance").is_some())
+        {
+            immittance::candidates(&value, &kinds)?
+        } else if value.is_table() {
             budget(&value, &kinds, study, &slot)?
         } else {
             let layouts = value
@@ -464,7 +491,7 @@ fn candidates(table: &Table<'_>, study: &Study) -> Result<IndexMap<Slot, Candida
                     fault.help("write a list of layouts, `[\"k1 | c1\"]`, or a budget, `{ springs = 1, dampers = 1 }`")
                 })?
                 .iter()
-                .map(|value| Ok((devices::layout(value, &kinds)?, value.span())))
+                .map(|value| Ok((named_or_layout(value, &kinds)?, value.span())))
                 .collect::<Result<Vec<(Layout, Span)>, Fault>>()?;
             if layouts.is_empty() {
                 return Err(value
@@ -491,6 +518,40 @@ fn candidates(table: &Table<'_>, study: &Study) -> Result<IndexMap<Slot, Candida
             .help(FEWER));
     }
     Ok(found)
+}
+
+/// A layout as written, or the one of a device of the catalogue: `catalogue: TVMD`.
+fn named_or_layout(value: &Value<'_>, kinds: &Kinds) -> Result<Layout, Fault> {
+    let Some(name) = value
+        .as_str()
+        .ok()
+        .and_then(|text| text.trim().strip_prefix("catalogue:"))
+        .map(str::trim)
+    else {
+        return devices::layout(value, kinds);
+    };
+    let Some(entry) = quell_network::device(name) else {
+        let names = quell_network::CATALOGUE.iter().map(|entry| entry.name);
+        return Err(unknown(
+            value.fault(format!("the catalogue has no device `{name}`")),
+            name,
+            "device of the catalogue",
+            names,
+        ));
+    };
+    let Some(text) = entry.text() else {
+        return Err(value
+            .fault(format!(
+                "`{}` joins three points, and a port has two",
+                entry.name
+            ))
+            .help("give the host a coordinate for its mass, and a device at each of two ports"));
+    };
+    Layout::parse(text, kinds).map_err(|error| {
+        value
+            .fault(format!("`{}`: {}", entry.name, error.message))
+            .help("devices of the catalogue are mechanical")
+    })
 }
 
 /// A count that may be beyond what anybody reads digit by digit.

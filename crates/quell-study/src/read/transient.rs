@@ -76,9 +76,20 @@ pub(super) fn set(
         }
         "end" => run.end = Some(end(value)?),
         "start" => {
-            run.start = match value.one_of(&["stated", "equilibrium"])? {
-                "equilibrium" => StartAt::Equilibrium,
-                _ => StartAt::Stated,
+            run.start = if value.is_table() {
+                let entries = value.as_table()?;
+                let states = entries
+                    .entries()
+                    .map(|(name, _, value)| Ok((name.to_owned(), Amount::read(&value, source)?)))
+                    .collect::<Result<_, Fault>>()?;
+                StartAt::States(states)
+            } else {
+                match value.one_of(&["stated", "equilibrium"]).map_err(|fault| {
+                    fault.help("write `\"stated\"`, `\"equilibrium\"`, or values: `{ x = \"1 mm\", \"x'\" = \"2 m/s\" }`")
+                })? {
+                    "equilibrium" => StartAt::Equilibrium,
+                    _ => StartAt::Stated,
+                }
             }
         }
         "phases" => {

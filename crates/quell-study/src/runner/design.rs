@@ -9,10 +9,10 @@ use quell_document::Fault;
 use rayon::prelude::*;
 
 use super::candidate::Found;
-use super::{RunError, Runner};
+use super::{RunError, Runner, synthesis};
 use crate::candidates::{Candidate, Candidates};
 use crate::configuration::{configuration, evaluated};
-use crate::outcome::{self, Design, DesignFindings, Evaluated, Findings, Plot, Role};
+use crate::outcome::{self, Design, DesignFindings, Evaluated, Findings, Plot, Role, Simplified};
 use crate::plots::Curves;
 use crate::problem::{DesignProblem, Verdict, constraints};
 use crate::reference::Reference;
@@ -54,6 +54,28 @@ impl Runner<'_> {
             }
         }
         rank(&mut found, design.sense);
+        let mut designs: Vec<Design> = found
+            .iter()
+            .enumerate()
+            .map(|(index, found)| described(found, index + 1, design, &references))
+            .collect();
+        if !self.study.immittances.is_empty() {
+            for (described, found) in designs.iter_mut().zip(&found) {
+                described.synthesis = synthesis::of(self.study, found);
+            }
+        }
+        let mut simplified = Vec::new();
+        if design.simplify
+            && let (Some(best), Some(described_best)) = (found.first(), designs.first())
+        {
+            let smaller = self.simplify(situation, design, best, &described_best.synthesis)?;
+            simplified.extend(smaller.into_iter().map(|one| Simplified {
+                elements: one.elements,
+                without: one.without,
+                tried: one.tried,
+                design: described(&one.found, 1, design, &references),
+            }));
+        }
         for (index, found) in found.iter().enumerate().take(self.study.report.shortlist) {
             let problem = DesignProblem::of(self.study, situation, design, &found.candidate)?;
             let role = Role::Design(index + 1);
@@ -65,23 +87,13 @@ impl Runner<'_> {
                 role,
             );
         }
-        let designs: Vec<Design> = found
-            .into_iter()
-            .enumerate()
-            .map(|(index, found)| {
-                let improvement = improvements(design, found.verdict.objective, &references);
-                Design {
-                    improvement,
-                    ..designed(found, index + 1)
-                }
-            })
-            .collect();
         let findings = DesignFindings {
             objective: design.objective.clone(),
             sense: design.sense,
             constraints: design.constraints.iter().map(constraint_words).collect(),
             references,
             designs,
+            simplified,
             candidates: candidates.words(),
         };
         Ok((Findings::Design(Box::new(findings)), curves.finish()))
@@ -159,27 +171,41 @@ impl Runner<'_> {
     }
 }
 
+/// A design of a rank, compared with references.
+fn described(
+    found: &Found,
+    rank: usize,
+    design: &DesignTask,
+    references: &[outcome::Reference],
+) -> Design {
+    Design {
+        improvement: improvements(design, found.verdict.objective, references),
+        ..designed(found, rank)
+    }
+}
+
 /// A design of a rank, not yet compared with references.
-pub(super) fn designed(found: Found, rank: usize) -> Design {
+pub(super) fn designed(found: &Found, rank: usize) -> Design {
     Design {
         rank,
-        configuration: found.evaluated,
+        configuration: found.evaluated.clone(),
         objective: found.verdict.objective,
         improvement: IndexMap::new(),
         feasible: found.verdict.feasible,
         violation: found.verdict.violation,
-        violations: found.violations,
-        active_bounds: found.active_bounds,
+        violations: found.violations.clone(),
+        active_bounds: found.active_bounds.clone(),
         starts: found.starts,
         starts_agreeing: found.starts_agreeing,
         evaluations: found.evaluations,
-        status: found.status,
-        remarks: found.remarks,
+        status: found.status.clone(),
+        remarks: found.remarks.clone(),
+        synthesis: Vec::new(),
     }
 }
 
 /// Feasible before infeasible; among the feasible by the objective, among the others by the violation; then by layout.
-fn rank(found: &mut [Found], sense: Sense) {
+pub(super) fn rank(found: &mut [Found], sense: Sense) {
     found.sort_by(|a, b| {
         let (first, second) = (&a.verdict, &b.verdict);
         let by_objective = match sense {

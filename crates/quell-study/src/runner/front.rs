@@ -207,7 +207,7 @@ fn ranked(objectives: &[Objective], layouts: Vec<(String, Vec<Found>)>) -> Vec<L
                     index += 1;
                     FrontPoint {
                         rank: place.map(|place| place + 1),
-                        design: designed(one, place.map_or(0, |place| place + 1)),
+                        design: designed(&one, place.map_or(0, |place| place + 1)),
                     }
                 })
                 .collect(),

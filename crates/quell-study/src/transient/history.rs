@@ -41,6 +41,9 @@ pub(crate) fn histories(
             | Observation::Minimum(signal, _)
             | Observation::Peak(signal, _)
             | Observation::Trough(signal, _)
+            | Observation::Largest(signal, _)
+            | Observation::DecayRate(signal)
+            | Observation::Span { signal, .. }
             | Observation::Crossing(signal, _)
             | Observation::At(signal, _)
             | Observation::Rms(signal)

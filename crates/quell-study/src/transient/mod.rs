@@ -1,5 +1,6 @@
 //! Runs in time: the host with its devices let loose, until an event or a time, and what criteria read from that.
 
+mod beginning;
 mod excitation;
 mod history;
 mod ledger;
@@ -7,6 +8,7 @@ mod observation;
 mod observe;
 mod plan;
 
+pub(crate) use beginning::beginning;
 pub(crate) use excitation::excitations;
 pub(crate) use history::History;
 pub(crate) use observation::Observation;

@@ -1,6 +1,9 @@
 //! Numbers taken from a run in time.
 
-use quell_response::transient::{Direction, Record};
+use quell_response::transient::{Condition, Direction, Excursion, Extremum, Record};
+
+/// How near to its level, relative, a swing grazes it.
+const GRAZING: f64 = 0.1;
 
 /// The part of a run that is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +25,19 @@ pub(crate) enum Observation {
     Peak(usize, usize),
     /// The n-th local minimum.
     Trough(usize, usize),
+    /// The n-th largest local maximum over the whole run.
+    Largest(usize, usize),
+    /// From the first to the last time above a level.
+    Span {
+        /// The signal.
+        signal: usize,
+        /// The level.
+        level: f64,
+        /// Stretches above the level count where they reach this many times the level; 1 for all.
+        graze: f64,
+    },
+    /// Rate at which the peaks decay, 1/s.
+    DecayRate(usize),
     /// Time of the n-th rise through zero.
     Crossing(usize, usize),
     /// Value at the start.
@@ -46,6 +62,8 @@ pub(crate) enum Observation {
         target: f64,
         /// Half the width of the band.
         band: f64,
+        /// Departures from the band count where they reach this many times its half width; 1 for all.
+        graze: f64,
     },
     /// Σ ∫ s dt of several signals: powers.
     Energy(Vec<usize>),
@@ -86,6 +104,29 @@ impl Observation {
                 window(record, Window::Run);
                 extremum(record.troughs(*signal).into_iter().nth(n.saturating_sub(1)))
             }
+            Self::Largest(signal, n) => {
+                window(record, Window::Run);
+                extremum(record.ranked_peak(*signal, *n))
+            }
+            Self::Span {
+                signal,
+                level,
+                graze,
+            } => {
+                window(record, Window::Run);
+                let above = counting(
+                    record.excursions(Condition::above(*signal, *level)),
+                    |top| top >= graze * level,
+                );
+                match (above.first(), above.last()) {
+                    (Some(first), Some(last)) => (last.to - first.from, Some(last.to)),
+                    _ => (0.0, None),
+                }
+            }
+            Self::DecayRate(signal) => {
+                window(record, Window::Run);
+                (record.decay_rate(*signal).unwrap_or(f64::NAN), None)
+            }
             Self::Crossing(signal, n) => {
                 window(record, Window::Run);
                 let crossings = record.crossings(*signal, 0.0, Direction::Rising);
@@ -122,9 +163,20 @@ impl Observation {
                 signal,
                 target,
                 band,
+                graze,
             } => {
                 window(record, Window::Run);
-                let found = record.settling(*signal, *target, *band);
+                let found = if *graze > 1.0 {
+                    let out = counting(record.departures(*signal, *target, *band), |extreme| {
+                        (extreme - target).abs() >= graze * band
+                    });
+                    match out.last() {
+                        Some(last) => (!last.cut).then_some(last.to - start),
+                        None => Some(0.0),
+                    }
+                } else {
+                    record.settling(*signal, *target, *band)
+                };
                 (found.unwrap_or(f64::NAN), found.map(|t| start + t))
             }
             Self::Energy(signals) => {
@@ -147,15 +199,98 @@ impl Observation {
         )
     }
 
+    /// What an engineer should know of a number that there is: that a swing nearly touches the level that decides, or that the
+    /// run ends before the answer is known.
+    ///
+    /// Grazing is a stretch beyond the level whose extreme is within [`GRAZING`] of it and that decides the number, or a swing
+    /// after it that misses the level by less.
+    pub(crate) fn remark(&self, record: &mut Record<'_>, times: [f64; 3]) -> Option<String> {
+        let [start, end, _] = times;
+        record.between(Some(start), Some(end));
+        let (levels, graze): (Vec<(Condition, f64)>, f64) = match *self {
+            Self::Span {
+                signal,
+                level,
+                graze,
+            } => (vec![(Condition::above(signal, level), level)], graze),
+            Self::Settling {
+                signal,
+                target,
+                band,
+                graze,
+            } => {
+                let both = [
+                    (Condition::above(signal, target + band), band),
+                    (Condition::below(signal, target - band), band),
+                ];
+                (both.to_vec(), graze)
+            }
+            _ => return None,
+        };
+        let mut last: Option<(Excursion, f64)> = None;
+        let mut near: Option<(Extremum, f64)> = None;
+        for (condition, size) in levels {
+            let sign = if condition.above { 1.0 } else { -1.0 };
+            // 1 at the level itself.
+            let share = |value: f64| 1.0 + sign * (value - condition.value) / size;
+            let found = record.excursions(condition);
+            for one in counting(found, |extreme| share(extreme) >= graze) {
+                if last.is_none_or(|(known, _)| known.to < one.to) {
+                    last = Some((one, share(one.extreme.value)));
+                }
+            }
+            let turning = if condition.above {
+                record.peaks(condition.signal)
+            } else {
+                record.troughs(condition.signal)
+            };
+            for one in turning {
+                let share = share(one.value);
+                if (graze * (1.0 - GRAZING)..graze).contains(&share)
+                    && near.is_none_or(|(known, _)| known.t < one.t)
+                {
+                    near = Some((one, share));
+                }
+            }
+        }
+        let (last, share) = last?;
+        if last.cut {
+            let seconds = end - start;
+            return Some(format!(
+                "not settled: the signal is still beyond the level when the run of {seconds} s ends"
+            ));
+        }
+        if share < graze * (1.0 + GRAZING) {
+            let t = last.extreme.t;
+            return Some(format!(
+                "computed, but grazing: the last swing that counts, at {t:.4} s, reaches {share:.3} of the level, so a small change of any value may shorten this by whole swings"
+            ));
+        }
+        let (near, share) = near.filter(|(near, _)| near.t > last.to)?;
+        Some(format!(
+            "computed, but grazing: a later swing, at {:.4} s, reaches {share:.3} of the level, so a small change of any value may lengthen this by whole swings",
+            near.t
+        ))
+    }
+
     /// Why there is no number, in words.
     pub(crate) fn absent(&self) -> &'static str {
         match self {
-            Self::Peak(..) => "the signal has fewer peaks than that",
+            Self::Peak(..) | Self::Largest(..) => "the signal has fewer peaks than that",
             Self::Trough(..) => "the signal has fewer troughs than that",
             Self::Crossing(..) => "the signal rises through zero less often than that",
             Self::At(..) => "the run ends before that time",
+            Self::DecayRate(_) => {
+                "the signal has fewer than two positive peaks from the largest on"
+            }
             Self::Settling { .. } => "the signal has not settled when the run ends",
             _ => "the run gave no number",
         }
     }
+}
+
+/// The stretches whose extreme counts.
+fn counting(mut found: Vec<Excursion>, counts: impl Fn(f64) -> bool) -> Vec<Excursion> {
+    found.retain(|one| counts(one.extreme.value));
+    found
 }

@@ -4,11 +4,16 @@
 //! | --- | --- |
 //! | `max(s)`, `min(s)` | extremes over the run, from the dense solution; `max(beyond(s))`: after the end event |
 //! | `peak(s, n)`, `trough(s, n)` | the n-th local maximum, minimum |
+//! | `largest(s, n)` | the n-th largest local maximum over the whole run, whenever it occurs |
+//! | `span(s, level)` | from the first to the last time at which s > level; 0 if never; cut off at the end of the run |
+//! | `span(s, level, factor)` | the same without stretches above the level that do not reach factor·level |
 //! | `crossing(s, n)` | the time at which s rises through zero for the n-th time |
 //! | `initial(s)`, `final(s)`, `at(s, 2 s)` | values at the start, at the end, at a time |
 //! | `mean(s)`, `rms(s)` | over time |
 //! | `integral(s)`, `integral(s, b)` | ∫ s dt, ∫ s db |
 //! | `settling(s, band)`, `settling(s, target, band)` | time after which \|s - target\| ≤ band until the end; target 0 unless given |
+//! | `settling(s, target, band, factor)` | the same without departures that do not reach factor·band |
+//! | `decay_rate(s)` | rate at which the peaks of s decay, from the largest on: slope of their logarithms over time, 1/s |
 //! | `potential(NAME)`, `kinetic(NAME)`, `dissipated(NAME)` | energy since the start that springs, inerters, dampers of a device or element took |
 //! | `stored(NAME)` | potential and kinetic |
 //! | `energy_error` | what the energy ledger misses, over its largest entry |
@@ -57,14 +62,33 @@ pub(crate) fn observe(
             let (signal, _) = of(argument)?;
             (Observation::Crossing(signal, counted(count, scope)?), time)
         }
-        ("peak" | "trough", [argument, count]) => {
+        ("peak" | "trough" | "largest", [argument, count]) => {
             let (signal, dimension) = of(argument)?;
             let count = counted(count, scope)?;
-            if function == "peak" {
-                (Observation::Peak(signal, count), dimension)
-            } else {
-                (Observation::Trough(signal, count), dimension)
+            let found = match function.as_str() {
+                "peak" => Observation::Peak(signal, count),
+                "trough" => Observation::Trough(signal, count),
+                _ => Observation::Largest(signal, count),
+            };
+            (found, dimension)
+        }
+        ("span", [argument, level, rest @ ..]) if rest.len() <= 1 => {
+            let (signal, dimension) = of(argument)?;
+            let value = number(level, scope, dimension, "a level of the signal")?;
+            if value <= 0.0 {
+                return Err(ExpressionError::new(level.span, "the level is above zero")
+                    .with_help("of a signal of both signs take `abs(s)`"));
             }
+            let observation = Observation::Span {
+                signal,
+                level: value,
+                graze: factor(rest, scope)?,
+            };
+            (observation, time)
+        }
+        ("decay_rate", [argument]) => {
+            let (signal, _) = of(argument)?;
+            (Observation::DecayRate(signal), Dimension::NONE / time)
         }
         ("initial", [argument]) => {
             let (signal, dimension) = of(argument)?;
@@ -96,11 +120,15 @@ pub(crate) fn observe(
             let (over, second) = of(over)?;
             (Observation::Work(force, over), first * second)
         }
-        ("settling", [argument, rest @ .., band]) if rest.len() <= 1 => {
+        ("settling", [argument, rest @ ..]) if (1..=3).contains(&rest.len()) => {
             let (signal, dimension) = of(argument)?;
-            let target = match rest {
-                [target] => number(target, scope, dimension, "a value of the signal")?,
-                _ => 0.0,
+            let (target, band, graze) = match rest {
+                [target, band, graze @ ..] => {
+                    let target = number(target, scope, dimension, "a value of the signal")?;
+                    (target, band, factor(graze, scope)?)
+                }
+                [band] => (0.0, band, 1.0),
+                [] => return Ok(None),
             };
             let half = number(band, scope, dimension, "half the width of the band")?;
             if half <= 0.0 {
@@ -114,6 +142,7 @@ pub(crate) fn observe(
                     signal,
                     target,
                     band: half,
+                    graze,
                 },
                 time,
             )
@@ -131,14 +160,14 @@ pub(crate) fn observe(
                 })?;
             (Observation::Energy(signals), dimension)
         }
-        (name @ ("peak" | "trough" | "crossing"), _) => {
+        (name @ ("peak" | "trough" | "crossing" | "largest"), _) => {
             return Err(arguments_wrong(
                 expression,
                 name,
                 "a signal and a number, which one it is",
             ));
         }
-        (name @ ("initial" | "final" | "mean"), _) => {
+        (name @ ("initial" | "final" | "mean" | "decay_rate"), _) => {
             return Err(arguments_wrong(expression, name, "one signal"));
         }
         ("at", _) => {
@@ -155,11 +184,18 @@ pub(crate) fn observe(
                 "one or two signals",
             ));
         }
+        ("span", _) => {
+            return Err(arguments_wrong(
+                expression,
+                "span",
+                "a signal and a level: `span(abs(s), 1 mm)`, and a factor of the level below which a swing does not count",
+            ));
+        }
         ("settling", _) => {
             return Err(arguments_wrong(
                 expression,
                 "settling",
-                "a signal and half the width of the band, with the target between them if it is not 0",
+                "a signal and half the width of the band, with the target between them if it is not 0 and a factor of the band after them below which a swing does not count",
             ));
         }
         _ => return Ok(None),
@@ -207,6 +243,21 @@ fn number(
             format!("{what} is in {dimension}, found {}", quantity.dimension),
         ))
     }
+}
+
+/// The factor of a level from which on a swing counts; 1 unless given.
+fn factor(rest: &[Expression], scope: &dyn Scope) -> Result<f64, ExpressionError> {
+    let [expression] = rest else {
+        return Ok(1.0);
+    };
+    let factor = number(expression, scope, Dimension::NONE, "a factor of the level")?;
+    if (1.0..=10.0).contains(&factor) {
+        return Ok(factor);
+    }
+    Err(ExpressionError::new(
+        expression.span,
+        "the factor of the level from which on a swing counts lies between 1 and 10",
+    ))
 }
 
 /// Which one, from 1.

@@ -255,7 +255,7 @@ pub(crate) struct TransientPlan {
     duration: f64,
     needs_event: bool,
     settings: Settings,
-    start: StartAt,
+    from_equilibrium: bool,
     ledger: Option<LedgerSignals>,
     /// Signals of inputs that are the run's own.
     inputs: Vec<(usize, Waveform)>,
@@ -371,7 +371,7 @@ impl TransientPlan {
             duration: seconds(&run.duration)?,
             needs_event: run.end.is_some(),
             settings,
-            start: run.start,
+            from_equilibrium: matches!(run.start, StartAt::Equilibrium),
             ledger,
             inputs: excitations(study, situation, run)?,
             labels: watching.labels.borrow().clone(),
@@ -403,7 +403,7 @@ impl TransientPlan {
                         *target = values.get(place).copied().unwrap_or(f64::NAN);
                     }
                 }
-            } else if self.start == StartAt::Equilibrium {
+            } else if self.from_equilibrium {
                 let found = moving.equilibrium(t, &x);
                 if found.status == EquilibriumStatus::NotFound {
                     simulated.failure = Some(format!(
@@ -583,6 +583,21 @@ impl Simulated<'_> {
                 Some(error) if **observation == Observation::EnergyError => (error, None),
                 _ => observation.read(&mut record, times),
             })
+            .collect()
+    }
+
+    /// What should be known of its numbers beside them, by observation.
+    pub(crate) fn remarks(&mut self, observations: &[&Observation]) -> Vec<Option<String>> {
+        if self.failure.is_some() {
+            return vec![None; observations.len()];
+        }
+        let times = self.times();
+        let Some(mut record) = self.record() else {
+            return vec![None; observations.len()];
+        };
+        observations
+            .iter()
+            .map(|observation| observation.remark(&mut record, times))
             .collect()
     }
 
