@@ -169,8 +169,19 @@ pub struct TaskSection {
     pub configurations: Vec<Configuration>,
     /// Points of a sweep, each with its own results.
     pub sweep: Vec<SweepPoint>,
-    /// Responses.
+    /// Responses, or branches.
     pub plots: Vec<Plot>,
+    /// Special points of branches.
+    pub points: Option<PointTable>,
+}
+
+/// Special points of branches, as a table.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct PointTable {
+    /// What stands in each column.
+    pub heading: Vec<String>,
+    /// The rows, a cell for each column.
+    pub rows: Vec<Vec<String>>,
 }
 
 /// What a task asks for.
@@ -181,6 +192,25 @@ pub enum TaskKind {
     Evaluate,
     /// The best values, and the best layout.
     Design,
+    /// A branch of equilibria or cycles.
+    Branch,
+    /// A curve of special points.
+    Curve,
+    /// Every branch that can be found.
+    Diagram,
+}
+
+impl TaskKind {
+    /// The word in the study file.
+    pub(crate) const fn word(self) -> &'static str {
+        match self {
+            Self::Evaluate => "evaluate",
+            Self::Design => "design",
+            Self::Branch => "branch",
+            Self::Curve => "curve",
+            Self::Diagram => "diagram",
+        }
+    }
 }
 
 /// A criterion as a column of results.

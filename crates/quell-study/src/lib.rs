@@ -8,6 +8,7 @@ mod built;
 mod candidates;
 mod check;
 mod configuration;
+pub mod continuation;
 mod criteria;
 mod evaluator;
 pub mod keys;

@@ -1,5 +1,6 @@
 //! Running a study: from its tasks to ranked shortlists.
 
+mod branches;
 mod candidate;
 mod design;
 
@@ -16,6 +17,7 @@ use crate::plots::Curves;
 use crate::situation::{self, Situation};
 use crate::study::{ConfigurationSpec, Study, Task, TaskKind};
 use crate::sweep::sweep_points;
+use branches::Solved;
 
 /// How a study is run.
 #[derive(Debug, Clone, Default)]
@@ -34,6 +36,8 @@ pub trait Progress: Sync {
     fn begin(&self, task: &str, units: u64);
     /// A unit is done; `best` says in words what is the best so far.
     fn advance(&self, best: &str);
+    /// How far the unit at hand is, in words.
+    fn note(&self, _words: &str) {}
 }
 
 /// Nobody wants to know.
@@ -109,6 +113,7 @@ pub fn run(
         settings,
         progress,
         evaluations: &evaluations,
+        solved: Solved::default(),
     };
     let mut tasks = Vec::new();
     for task in chosen {
@@ -150,6 +155,8 @@ struct Runner<'a> {
     settings: &'a RunSettings,
     progress: &'a dyn Progress,
     evaluations: &'a AtomicU64,
+    /// Branches from which others may start.
+    solved: Solved,
 }
 
 impl Runner<'_> {
@@ -158,6 +165,7 @@ impl Runner<'_> {
         let units = match &task.kind {
             TaskKind::Evaluate(configurations) => configurations.len() as u128,
             TaskKind::Design(design) => Candidates::of(design).count(),
+            TaskKind::Continuation(_) => 1,
         };
         let units = units.saturating_mul(points.len() as u128);
         self.progress
@@ -172,6 +180,7 @@ impl Runner<'_> {
                         self.evaluate(&situation, configurations)?
                     }
                     TaskKind::Design(design) => self.design(&situation, design)?,
+                    TaskKind::Continuation(asked) => self.branches(&situation, task, asked)?,
                 };
                 let at = at
                     .into_iter()
@@ -190,6 +199,10 @@ impl Runner<'_> {
                 })
             })
             .collect::<Result<Vec<_>, RunError>>()?;
+        let mut points = points;
+        if swept {
+            branches::number_files(&mut points);
+        }
         Ok(TaskOutcome {
             name: task.name.clone(),
             points,

@@ -44,6 +44,9 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
     // The results come last: a folder that holds them holds a whole run.
     let report = folder.join("report.html");
     write(&report, &quell_report::html(&study, &outcome))?;
+    for (name, text) in outcome.files() {
+        write(&folder.join(name), &text)?;
+    }
     write(&folder.join("results.json"), &format!("{results}\n"))?;
 
     let mut text = shortlist::text(&study, &outcome);

@@ -50,6 +50,13 @@ impl Printer<'_> {
         let swept = points.iter().any(|point| !point.at.is_empty());
         match points.first().map(|point| &point.findings) {
             None => {}
+            Some(Findings::Continuation(_)) => {
+                for point in points {
+                    if let Findings::Continuation(found) = &point.findings {
+                        crate::branches::text(text, name, &at(&point.at), found, WIDTH);
+                    }
+                }
+            }
             Some(Findings::Evaluate(_)) => {
                 let _ = writeln!(text, "{name}");
                 self.evaluated(text, points, swept);
@@ -72,7 +79,7 @@ impl Printer<'_> {
             .flat_map(|point| {
                 let configurations: &[Evaluated] = match &point.findings {
                     Findings::Evaluate(configurations) => configurations,
-                    Findings::Design(_) => &[],
+                    Findings::Design(_) | Findings::Continuation(_) => &[],
                 };
                 configurations.iter().map(move |one| (point, one))
             })
