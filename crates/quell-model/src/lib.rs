@@ -36,9 +36,9 @@ pub mod matrix;
 pub mod system;
 
 pub use equations::{
-    EquationCoordinate, EquationElement, EquationHost, EquationInput, EquationInputKind,
-    EquationOutput, EquationPort, ExtraNames, FirstOrderState, HostNames, HostParameter, Measure,
-    NoExtraNames, OperatingRange, Symbol, Waveform,
+    Driven, EquationCoordinate, EquationElement, EquationHost, EquationInput, EquationInputKind,
+    EquationOutput, EquationPort, ExtraNames, FirstOrderState, HarmonicLaw, HostNames,
+    HostParameter, Measure, NoExtraNames, OperatingRange, Symbol, Waveform,
 };
 pub use form::{DevicePart, SignalNames, linear_form};
 pub use host::{Host, HostFile, NamedElement, Override};

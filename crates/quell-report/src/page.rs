@@ -173,8 +173,19 @@ pub struct TaskSection {
     pub sweep: Vec<SweepPoint>,
     /// Of a task with several objectives: the front of all layouts, from one end to the other.
     pub front: Vec<Design>,
-    /// Responses.
+    /// Responses, or branches.
     pub plots: Vec<Plot>,
+    /// Special points of branches.
+    pub points: Option<PointTable>,
+}
+
+/// Special points of branches, as a table.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct PointTable {
+    /// What stands in each column.
+    pub heading: Vec<String>,
+    /// The rows, a cell for each column.
+    pub rows: Vec<Vec<String>>,
 }
 
 /// What a task asks for.
@@ -185,6 +196,25 @@ pub enum TaskKind {
     Evaluate,
     /// The best values, and the best layout.
     Design,
+    /// A branch of equilibria or cycles.
+    Branch,
+    /// A curve of special points.
+    Curve,
+    /// Every branch that can be found.
+    Diagram,
+}
+
+impl TaskKind {
+    /// The word in the study file.
+    pub(crate) const fn word(self) -> &'static str {
+        match self {
+            Self::Evaluate => "evaluate",
+            Self::Design => "design",
+            Self::Branch => "branch",
+            Self::Curve => "curve",
+            Self::Diagram => "diagram",
+        }
+    }
 }
 
 /// A criterion as a column of results.

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{LegendPosition, LinePlot, LineStyle, ScatterPlot};
-use kuva::render::annotations::ReferenceLine;
+use kuva::render::annotations::{ReferenceLine, TextAnnotation};
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot as Layer;
 use kuva::render::render::render_multiple;
@@ -52,6 +52,19 @@ pub struct Series {
     pub peak: Option<(f64, f64)>,
     /// Mark every point (for sweeps).
     pub markers: bool,
+    /// By point, whether it is unstable: what is unstable is dashed. Empty where nothing is.
+    pub unstable: Vec<bool>,
+    /// Points with a name.
+    pub marks: Vec<Mark>,
+}
+
+/// A point with a name.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mark {
+    /// Where it is.
+    pub at: (f64, f64),
+    /// Its name.
+    pub text: String,
 }
 
 /// What a curve stands for.
@@ -79,6 +92,8 @@ const REFERENCE: &str = "var(--reference, #3c4248)";
 const REFERENCE_DASHES: [&str; 3] = ["2 3", "9 3 2 3", "12 4"];
 const BASELINE: &str = "var(--baseline, #7a828a)";
 const BASELINE_DASHES: &str = "7 4";
+/// Dashes of what is unstable.
+const UNSTABLE_DASHES: &str = "5 4";
 const INK: &str = "var(--ink, #1b1f23)";
 const GRID: &str = "var(--grid, #e3e6e9)";
 pub(crate) const LIMIT: &str = "var(--alarm, #b3261e)";
@@ -149,14 +164,41 @@ impl Plot {
             && (!self.y.logarithmic || y > 0.0)
     }
 
-    /// A series' visible points as unbroken pieces.
-    fn pieces(&self, series: &Series) -> Vec<Vec<(f64, f64)>> {
+    /// A series' visible points as unbroken pieces, and whether each is unstable.
+    fn pieces(&self, series: &Series) -> Vec<(Vec<(f64, f64)>, bool)> {
+        if !series.unstable.is_empty() {
+            return self.runs(series);
+        }
         series
             .points
             .split(|point| !self.visible(*point))
             .filter(|piece| !piece.is_empty())
-            .map(thin)
+            .map(|piece| (thin(piece), false))
             .collect()
+    }
+
+    /// Runs of steps that are stable, and of those that are not: a step with one unstable end is.
+    fn runs(&self, series: &Series) -> Vec<(Vec<(f64, f64)>, bool)> {
+        let mut runs: Vec<(Vec<(f64, f64)>, bool)> = Vec::new();
+        let flagged = series.points.iter().zip(&series.unstable);
+        let mut before: Option<((f64, f64), bool)> = None;
+        for (point, unstable) in flagged {
+            if !self.visible(*point) {
+                before = None;
+                continue;
+            }
+            if let Some((last, last_unstable)) = before {
+                let dashed = last_unstable || *unstable;
+                match runs.last_mut() {
+                    Some((run, known)) if *known == dashed && run.last() == Some(&last) => {
+                        run.push(*point);
+                    }
+                    _ => runs.push((vec![last, *point], dashed)),
+                }
+            }
+            before = Some((*point, *unstable));
+        }
+        runs
     }
 
     fn render(&self, width: f64, height: f64, legend: bool, id: &str) -> String {
@@ -172,7 +214,7 @@ impl Plot {
             }
         }
         for (series, stroke) in &drawn {
-            for (index, piece) in self.pieces(series).into_iter().enumerate() {
+            for (index, (piece, unstable)) in self.pieces(series).into_iter().enumerate() {
                 if series.markers {
                     layers.push(
                         ScatterPlot::new()
@@ -189,7 +231,7 @@ impl Plot {
                         Role::Design => 2.0,
                         _ => 1.5,
                     });
-                if let Some(dashes) = stroke.dashes {
+                if let Some(dashes) = stroke.dashes.or(unstable.then_some(UNSTABLE_DASHES)) {
                     line = line.with_line_style(LineStyle::Custom(dashes.to_owned()));
                 }
                 if legend && index == 0 {
@@ -199,6 +241,17 @@ impl Plot {
             }
         }
         for (series, stroke) in drawn {
+            let marked = series.marks.iter().map(|mark| mark.at);
+            let marked: Vec<(f64, f64)> = marked.filter(|at| self.visible(*at)).collect();
+            if !marked.is_empty() {
+                layers.push(
+                    ScatterPlot::new()
+                        .with_data(marked)
+                        .with_color(stroke.colour)
+                        .with_size(3.6)
+                        .into(),
+                );
+            }
             if let Some(peak) = series.peak.filter(|peak| self.visible(*peak)) {
                 layers.push(
                     ScatterPlot::new()
@@ -312,10 +365,25 @@ impl Plot {
             } else {
                 high.abs().max(1.0)
             };
-            let bottom = if near_zero { 0.0 } else { low - 0.06 * spread };
+            // What lies on the axis with a name is to be seen.
+            let named = self.series.iter().any(|series| !series.marks.is_empty());
+            let bottom = if near_zero && !named {
+                0.0
+            } else {
+                low - 0.06 * spread
+            };
             layout = layout
                 .with_y_axis_min(bottom)
                 .with_y_axis_max(high + 0.06 * spread);
+        }
+        for mark in self.series.iter().flat_map(|series| &series.marks) {
+            if self.visible(mark.at) {
+                layout = layout.with_annotation(
+                    TextAnnotation::new(plain(&mark.text), mark.at.0, mark.at.1)
+                        .with_color(INK)
+                        .with_font_size(11),
+                );
+            }
         }
         for (text, value) in &self.limits {
             if value.is_finite() && (!self.y.logarithmic || *value > 0.0) {

@@ -111,6 +111,7 @@ fn plot() -> Plot {
                     .collect(),
                 peak: Some((96.0, 96.0)),
                 markers: false,
+                ..Series::default()
             },
             Series {
                 name: "broken".into(),
@@ -123,6 +124,7 @@ fn plot() -> Plot {
                 ],
                 peak: Some((f64::NAN, 1.0)),
                 markers: true,
+                ..Series::default()
             },
         ],
         limits: vec![("allowed".into(), 50.0), ("none".into(), f64::NAN)],

@@ -1,5 +1,7 @@
 //! A candidate built onto the host: networks on ports, and the way from design variables to element values.
 
+mod moved;
+
 use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::Arc;
@@ -21,6 +23,8 @@ use crate::candidates::Candidate;
 use crate::outcome::{BuiltDevice, NamedValue};
 use crate::situation::Situation;
 use crate::study::{Bounds, DesignTask, Device, Run, Slot, Study};
+
+pub(crate) use moved::Places;
 
 /// Where values come from.
 #[derive(Debug, Clone, Copy)]
@@ -642,7 +646,8 @@ impl<'a> Builder<'a> {
                 .study
                 .runs
                 .values()
-                .any(|run| matches!(run, Run::Transient(_)));
+                .any(|run| matches!(run, Run::Transient(_)))
+                || self.study.follows_branches();
             let mechanism = if in_time || nonlinear || self.situation.is_equations() {
                 let made = Mechanism::with_components(&layout, &components, piston);
                 Some(made.map_err(|error| fault(error.to_string()))?)

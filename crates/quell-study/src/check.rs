@@ -55,6 +55,9 @@ pub fn check(study: &Study) -> Result<Summary, Fault> {
                     )
                 }
                 TaskKind::Design(design) => check_design(study, &situation, &at.design(design))?,
+                TaskKind::Continuation(task) => {
+                    crate::continuation::check(study, &situation, task)?
+                }
             };
         }
         if points.len() > 1 {

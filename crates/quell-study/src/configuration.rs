@@ -18,13 +18,28 @@ pub(crate) fn configuration(
     situation: &Situation,
     spec: &ConfigurationSpec,
 ) -> Result<Evaluator, Fault> {
-    let candidate = Candidate {
+    let built = built(study, situation, spec)?;
+    Evaluator::new(study, situation, Arc::new(built), None, &spec.runs)
+}
+
+/// The layouts of a configuration, as a candidate has them.
+pub(crate) fn candidate(spec: &ConfigurationSpec) -> Candidate {
+    Candidate {
         layouts: spec
             .layouts
             .iter()
             .map(|(slot, (layout, span))| (slot.clone(), layout.clone(), *span))
             .collect(),
-    };
+    }
+}
+
+/// Builds a configuration.
+pub(crate) fn built(
+    study: &Study,
+    situation: &Situation,
+    spec: &ConfigurationSpec,
+) -> Result<Built, Fault> {
+    let candidate = candidate(spec);
     let bounds = IndexMap::new();
     let built = Built::new(
         study,
@@ -57,7 +72,7 @@ pub(crate) fn configuration(
             ),
         ));
     }
-    Evaluator::new(study, situation, Arc::new(built), None, &spec.runs)
+    Ok(built)
 }
 
 /// Criteria of a candidate at values of its design variables, with what is known about each.

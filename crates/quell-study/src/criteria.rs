@@ -131,6 +131,8 @@ pub(crate) enum RunKind {
     Modes,
     /// Motion in time.
     Transient,
+    /// A solution of a branch.
+    Branch,
 }
 
 /// A criterion split into functionals and the arithmetic around them.
@@ -162,7 +164,11 @@ pub(crate) fn compile(
     if functionals.is_empty() {
         return Err(ExpressionError {
             span: value.span,
-            message: "this criterion takes nothing from its run".to_owned(),
+            message: match context.kind() {
+                RunKind::Branch => "this measure takes nothing from the solutions",
+                _ => "this criterion takes nothing from its run",
+            }
+            .to_owned(),
             help: Some(offers(context.kind())),
         });
     }
@@ -214,6 +220,7 @@ fn offers(kind: RunKind) -> String {
             format!("a frequency run offers {}", calls.join(", "))
         }
         RunKind::Modes => "a modes run offers `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`".to_owned(),
+        RunKind::Branch => "a branch offers `max(s)`, `min(s)`, `mean(s)`, `rms(s)` and `amplitude(s)` of a signal s, over a cycle or at an equilibrium".to_owned(),
         RunKind::Transient => "a transient run offers `max(s)`, `min(s)`, `peak(s, n)`, `trough(s, n)`, `largest(s, n)`, `span(s, level)`, `crossing(s, n)`, `initial(s)`, `final(s)`, `at(s, 2 s)`, `mean(s)`, `rms(s)`, `integral(s)`, `integral(s, b)`, `settling(s, band)`, `decay_rate(s)`, `potential(NAME)`, `kinetic(NAME)`, `stored(NAME)`, `dissipated(NAME)`, `energy_error`".to_owned(),
     }
 }
@@ -224,7 +231,7 @@ fn split(
     functionals: &mut Vec<(Functional, Dimension)>,
 ) -> Result<Expression, ExpressionError> {
     let found = match context.kind() {
-        RunKind::Transient => context
+        RunKind::Transient | RunKind::Branch => context
             .observe(expression)?
             .map(|(observation, dimension)| (Functional::Time(observation), dimension)),
         _ => functional(expression, context)?,
@@ -245,8 +252,13 @@ fn split(
     let varies = || ExpressionError {
         span: expression.span,
         message: format!(
-            "`{}` is not one number: it varies over the run",
-            expression.excerpt()
+            "`{}` is not one number: it varies over the {}",
+            expression.excerpt(),
+            if context.kind() == RunKind::Branch {
+                "cycle"
+            } else {
+                "run"
+            }
         ),
         help: Some(offers(context.kind())),
     };

@@ -39,17 +39,17 @@ pub const STUDY: KeySet = KeySet {
             Shape::MapOf(&Shape::Table(&COMPONENT)),
             "Named sub-networks with design variables of their own.",
         ),
-        Key::required(
+        Key::optional(
             "devices",
             Shape::MapOf(&Shape::Table(&DEVICE)),
             "What may be bolted on, and at which port.",
         ),
-        Key::required(
+        Key::optional(
             "runs",
             Shape::MapOf(&Shape::Table(&RUN)),
             "Computations on the assembled system that criteria read.",
         ),
-        Key::required(
+        Key::optional(
             "criteria",
             Shape::MapOf(&Shape::Table(&CRITERION)),
             "Numbers taken from runs.",
@@ -57,7 +57,7 @@ pub const STUDY: KeySet = KeySet {
         Key::required(
             "tasks",
             Shape::List(&Shape::Table(&TASK)),
-            "What is asked, in order.",
+            "What is asked, in order. Tasks of kind `evaluate` and `design` need `devices`, `runs` and `criteria`; others need none of them.",
         ),
         Key::optional("report", Shape::Table(&REPORT), "What the report shows."),
     ],
@@ -320,13 +320,74 @@ pub const CRITERION: KeySet = KeySet {
 /// `[[tasks]]`.
 pub const TASK: KeySet = KeySet {
     title: "Task",
-    documentation: "What is asked: `evaluate` given configurations, or `design`: the best values of candidate layouts, ranked.",
+    documentation: "What is asked: `evaluate` given configurations; `design`: the best values of candidate layouts, ranked; `branch`: equilibria or cycles followed in one parameter, with their special points; `curve`: special points followed in two; `diagram`: every branch in one parameter that can be found.",
     keys: &[
         Key::required("name", Shape::Text, "Unique name of the task."),
         Key::required(
             "kind",
-            Shape::Choice(&["evaluate", "design"]),
+            Shape::Choice(&["evaluate", "design", "branch", "curve", "diagram"]),
             "What is asked.",
+        ),
+        Key::optional(
+            "configuration",
+            Shape::AnyOf(&[Shape::MapOf(&Shape::Anything), Shape::Text]),
+            "branch, curve, diagram: a layout for each slot and the values, `{ damper = \"k1 | c1\", k1 = \"…\", c1 = \"…\" }`, or the name of a configuration of an `evaluate` task above. Unless given, that of the task at which it starts, or no device.",
+        ),
+        Key::optional(
+            "parameter",
+            Shape::Text,
+            "branch, diagram: what is followed: a parameter of the host, or a value of the configuration (of an element `c1`, of a component `track1.dL`, of a nonlinear element `gas.n`).",
+        ),
+        Key::optional("parameters", TEXTS, "curve: the two parameters."),
+        Key::optional(
+            "ranges",
+            Shape::MapOf(&Shape::List(&Shape::Amount)),
+            "branch, curve, diagram: `[lower, upper]` by parameter; unless given that of the task at which it starts, or of `[operating]` of the host.",
+        ),
+        Key::optional(
+            "start",
+            Shape::AnyOf(&[Shape::Text, Shape::Table(&START)]),
+            "branch: `\"equilibrium\"` near the host's `start` values (unless given); `\"TASK:LABEL\"`, a special point that a task above finds (`\"TASK:C1:NS1\"` where several branches have the label): cycles at a Hopf point, doubled cycles at a period doubling, the branch that crosses at a branch point, else the solution there; or `{ run = \"NAME\" }`, the cycle on which a run in time ends. curve: `\"TASK:LABEL\"`, an LP, H, LPC, PD or NS of a branch, or an HH (its torus curves) or GH (its folds of cycles) of a curve.",
+        ),
+        Key::optional(
+            "at",
+            Shape::List(&Shape::Amount),
+            "branch, curve, diagram: values of the first parameter at which solutions are wanted exactly.",
+        ),
+        Key::optional(
+            "measures",
+            Shape::MapOf(&Shape::AnyOf(&[Shape::Expression, Shape::Table(&MEASURE)])),
+            "branch, curve, diagram: numbers taken from every solution, by name: arithmetic over `max(s)`, `min(s)`, `mean(s)`, `rms(s)`, `amplitude(s)` (half of the swing) of any signal s: over the period of a cycle, at an equilibrium its value.",
+        ),
+        Key::optional(
+            "cycles",
+            Shape::Boolean,
+            "branch: follow the cycles born at Hopf points too; false unless given.",
+        ),
+        Key::optional(
+            "depth",
+            Shape::Integer,
+            "diagram: how often a branch may be followed from a point of another; 2 unless given.",
+        ),
+        Key::optional(
+            "points",
+            Shape::Integer,
+            "branch, curve, diagram: most points in each direction; 400 unless given.",
+        ),
+        Key::optional(
+            "mesh_tolerance",
+            Shape::Number,
+            "branch, curve, diagram: estimated error that the mesh of a cycle holds, relative to the cycle's size; 1e-8 unless given.",
+        ),
+        Key::optional(
+            "longest_period",
+            Shape::Amount,
+            "branch, curve, diagram: a branch of cycles ends beyond this period.",
+        ),
+        Key::optional(
+            "period",
+            Shape::Amount,
+            "branch, curve: the period of what forces the host, an expression of its parameters, `\"2*pi/Omega\"`; needed where `t` is in the equations.",
         ),
         Key::optional(
             "configurations",
@@ -405,6 +466,33 @@ pub const TASK: KeySet = KeySet {
                 Shape::List(&Shape::Amount),
             ])),
             "Repeat the task at values of host parameters, or of the bound of one of the task's constraints, called by its criterion: `{ F_max = { from = \"5 kN\", to = \"8 kN\", points = 7 } }`; several give every combination.",
+        ),
+    ],
+    others: None,
+};
+
+/// Where a branch starts, as a table.
+pub const START: KeySet = KeySet {
+    title: "Start of a branch",
+    documentation: "The cycle on which a run in time ends.",
+    keys: &[Key::required(
+        "run",
+        Shape::Text,
+        "Name of a run of kind `transient` without phases and end event.",
+    )],
+    others: None,
+};
+
+/// A measure, as a table.
+pub const MEASURE: KeySet = KeySet {
+    title: "Measure",
+    documentation: "A number taken from every solution of a branch; the value alone is the short form.",
+    keys: &[
+        Key::required("value", Shape::Expression, "The number: `max(abs(x))`."),
+        Key::optional(
+            "unit",
+            Shape::Text,
+            "Unit in which people read it; results.json is SI in any case.",
         ),
     ],
     others: None,

@@ -9,6 +9,7 @@ mod candidates;
 mod check;
 mod combination;
 mod configuration;
+pub mod continuation;
 mod criteria;
 mod evaluator;
 pub mod immittance;

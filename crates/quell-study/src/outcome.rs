@@ -18,6 +18,20 @@ pub struct RunOutcome {
     pub restored: u64,
 }
 
+impl RunOutcome {
+    /// Files that stand beside `results.json`, with their texts: the points of branches.
+    pub fn files(&self) -> impl Iterator<Item = (String, String)> + '_ {
+        let points = self.tasks.iter().flat_map(|task| &task.points);
+        points
+            .filter_map(|point| match &point.findings {
+                Findings::Continuation(found) => Some(found),
+                _ => None,
+            })
+            .flat_map(|found| found.files())
+            .map(|(name, text)| (name.to_owned(), text))
+    }
+}
+
 /// What one task found.
 #[derive(Debug, Clone)]
 pub struct TaskOutcome {
@@ -47,6 +61,8 @@ pub enum Findings {
     Design(Box<DesignFindings>),
     /// Of a `design` task with several objectives.
     Front(Box<FrontFindings>),
+    /// Of a `branch`, `curve` or `diagram` task.
+    Continuation(Box<crate::continuation::ContinuationFindings>),
 }
 
 /// What a design task with several objectives found.

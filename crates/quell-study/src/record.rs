@@ -7,8 +7,8 @@ use crate::outcome::{
 };
 use crate::results::{
     ConfigurationResult, DesignResult, DeviceResult, EngineFacts, FORMAT, LayoutFrontResult,
-    ObjectiveResult, ReferenceResult, Results, SimplifiedResult, StudyFacts, SweepPoint, TaskBody, TaskFindings,
-    TaskResult,
+    ObjectiveResult, ReferenceResult, Results, SimplifiedResult, StudyFacts, SweepPoint, TaskBody,
+    TaskFindings, TaskResult,
 };
 use crate::study::{Sense, Study};
 
@@ -44,6 +44,7 @@ pub(crate) fn of(
 fn task_result(task: &TaskOutcome) -> TaskResult {
     let kind = match task.points.first().map(|point| &point.findings) {
         Some(Findings::Evaluate(_)) => "evaluate",
+        Some(Findings::Continuation(found)) => found.follows.kind(),
         _ => "design",
     };
     let points: Vec<SweepPoint> = task
@@ -62,11 +63,9 @@ fn task_result(task: &TaskOutcome) -> TaskResult {
             }
         })
         .collect();
-    let status = if points.iter().all(|point| point.status == "done") {
-        "done"
-    } else {
-        "infeasible"
-    };
+    // What went wrong first, if anything did.
+    let wrong = points.iter().find(|point| point.status != "done");
+    let status = wrong.map_or_else(|| "done".to_owned(), |point| point.status.clone());
     let swept = points.iter().any(|point| !point.at.is_empty());
     let mut points = points.into_iter();
     let body = match points.next() {
@@ -75,15 +74,15 @@ fn task_result(task: &TaskOutcome) -> TaskResult {
             points: first.into_iter().chain(points).collect(),
         },
     };
-    TaskResult {
-        kind,
-        status: status.to_owned(),
-        body,
-    }
+    TaskResult { kind, status, body }
 }
 
 fn findings(found: &Findings) -> (String, TaskFindings) {
     match found {
+        Findings::Continuation(found) => (
+            found.status.clone(),
+            TaskFindings::Continuation(crate::continuation::record(found, devices(&found.devices))),
+        ),
         Findings::Evaluate(configurations) => {
             let configurations = configurations
                 .iter()

@@ -31,7 +31,7 @@ impl<'a> Reference<'a> {
         let configurations = || {
             study.tasks.iter().filter_map(|task| match &task.kind {
                 TaskKind::Evaluate(configurations) => Some(configurations),
-                TaskKind::Design(_) => None,
+                TaskKind::Design(_) | TaskKind::Continuation(_) => None,
             })
         };
         if let Some(spec) = configurations().find_map(|known| known.get(name)) {

@@ -51,9 +51,9 @@ pub struct EngineFacts {
 /// The result of one task.
 #[derive(Debug, Clone, Serialize)]
 pub struct TaskResult {
-    /// `evaluate` or `design`.
+    /// `evaluate`, `design`, `branch`, `curve` or `diagram`.
     pub kind: &'static str,
-    /// `done`, or `infeasible` where no design meets the constraints.
+    /// `done`, `infeasible` where no design meets the constraints, or why nothing was found.
     pub status: String,
     /// What the task found; with a sweep, one for each point.
     #[serde(flatten)]
@@ -115,6 +115,8 @@ pub enum TaskFindings {
         /// The front of each layout.
         fronts: Vec<LayoutFrontResult>,
     },
+    /// Of a `branch`, `curve` or `diagram` task.
+    Continuation(crate::continuation::ContinuationResult),
 }
 
 /// A device as it was built.

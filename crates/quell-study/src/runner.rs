@@ -1,12 +1,13 @@
 //! Running a study: from its tasks to ranked shortlists.
 
+mod branches;
 mod candidate;
 mod design;
 mod front;
 mod recorder;
 mod remarks;
-mod starts;
 mod simplify;
+mod starts;
 mod synthesis;
 
 use std::sync::OnceLock;
@@ -25,6 +26,7 @@ use crate::situation::{self, Situation};
 use crate::store::{Store, StoreError};
 use crate::study::{ConfigurationSpec, Study, Task, TaskKind};
 use crate::sweep::sweep_points;
+use branches::Solved;
 
 /// How a study is run.
 #[derive(Debug, Clone, Default)]
@@ -47,6 +49,8 @@ pub trait Progress: Sync {
     fn restored(&self, pieces: u64) {
         let _ = pieces;
     }
+    /// How far the unit at hand is, in words.
+    fn note(&self, _words: &str) {}
 }
 
 /// Nobody wants to know.
@@ -177,6 +181,7 @@ fn recorded(
         settings,
         recorder: &recorder,
         evaluations: &evaluations,
+        solved: Solved::default(),
     };
     let mut tasks = Vec::new();
     for task in chosen {
@@ -222,6 +227,8 @@ struct Runner<'a> {
     settings: &'a RunSettings,
     recorder: &'a Recorder<'a>,
     evaluations: &'a AtomicU64,
+    /// Branches from which others may start.
+    solved: Solved,
 }
 
 impl Runner<'_> {
@@ -230,6 +237,7 @@ impl Runner<'_> {
         let units = match &task.kind {
             TaskKind::Evaluate(configurations) => configurations.len() as u128,
             TaskKind::Design(design) => Candidates::of(design).count(),
+            TaskKind::Continuation(_) => 1,
         };
         let units = units.saturating_mul(points.len() as u128);
         self.recorder
@@ -247,6 +255,7 @@ impl Runner<'_> {
                         self.front(&situation, design)?
                     }
                     TaskKind::Design(design) => self.design(&situation, &at.design(design))?,
+                    TaskKind::Continuation(asked) => self.branches(&situation, task, asked)?,
                 };
                 Ok(PointOutcome {
                     at: at.named(),
@@ -255,6 +264,10 @@ impl Runner<'_> {
                 })
             })
             .collect::<Result<Vec<_>, RunError>>()?;
+        let mut points = points;
+        if swept {
+            branches::number_files(&mut points);
+        }
         Ok(TaskOutcome {
             name: task.name.clone(),
             points,

@@ -329,6 +329,8 @@ pub enum TaskKind {
     Evaluate(IndexMap<String, ConfigurationSpec>),
     /// The best values of candidate layouts, ranked.
     Design(Box<DesignTask>),
+    /// Branches of equilibria and cycles, curves of special points, diagrams.
+    Continuation(Box<crate::continuation::ContinuationTask>),
 }
 
 /// A design task.

@@ -76,6 +76,7 @@ fn criteria(study: &Study, situation: &Situation) -> Result<(), Fault> {
                 );
                 designs.push(design);
             }
+            TaskKind::Continuation(_) => {}
         }
     }
     for name in study.criteria.keys().map(String::as_str) {

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done (an infeasible design is done, and says so), 1 the study is wrong, 2 the run failed.
 
 mod arguments;
+mod branches;
 mod check;
 mod diagnostics;
 mod layouts;

@@ -59,6 +59,12 @@ impl Progress for Bar {
         *bar = new;
     }
 
+    fn note(&self, words: &str) {
+        if self.shown {
+            self.with(|bar| bar.set_message(words.to_owned()));
+        }
+    }
+
     fn advance(&self, best: &str) {
         if self.shown {
             self.with(|bar| {

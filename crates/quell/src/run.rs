@@ -50,6 +50,9 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
     // The results come last: a folder that holds them holds a whole run.
     let report = folder.join(REPORT);
     write(&report, &quell_report::html(&study, &outcome))?;
+    for (name, text) in outcome.files() {
+        write(&folder.join(name), &text)?;
+    }
     write(&folder.join(RESULTS), &format!("{results}\n"))?;
 
     let text = shortlist::text(&study, &outcome);

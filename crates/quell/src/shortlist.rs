@@ -64,6 +64,13 @@ impl Printer<'_> {
         let asked = self.study.tasks.iter().find(|task| task.name == name);
         match points.first().map(|point| &point.findings) {
             None => {}
+            Some(Findings::Continuation(_)) => {
+                for point in points {
+                    if let Findings::Continuation(found) = &point.findings {
+                        crate::branches::text(text, name, &at(&point.at), found, WIDTH);
+                    }
+                }
+            }
             Some(Findings::Evaluate(_)) => {
                 let _ = writeln!(text, "{name}");
                 self.evaluated(text, asked, points, swept);
@@ -93,7 +100,7 @@ impl Printer<'_> {
             .flat_map(|point| {
                 let configurations: &[Evaluated] = match &point.findings {
                     Findings::Evaluate(configurations) => configurations,
-                    Findings::Design(_) | Findings::Front(_) => &[],
+                    Findings::Design(_) | Findings::Front(_) | Findings::Continuation(_) => &[],
                 };
                 configurations.iter().map(move |one| (point, one))
             })

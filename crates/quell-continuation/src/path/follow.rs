@@ -38,7 +38,7 @@ impl From<Failure> for Stop {
 /// How to start: z, and either a covector that fixes the first point or a tangent that is already known.
 #[derive(Clone, Debug)]
 pub(crate) enum Start {
-    /// Correct z at a fixed value of the first free parameter.
+    /// Correct z at a fixed value of the first free parameter, or of the second where the curve runs along the first.
     AtParameter(Vec<f64>),
     /// Step off a special point along a direction: (solution, direction, distance in scaled arclength).
     Along(Vec<f64>, Vec<f64>, f64),
@@ -51,7 +51,6 @@ pub(crate) fn follow_both<M: Manifold>(
     start: Start,
 ) -> Result<(Trace, Trace), ContinuationError> {
     let mut corrector = Corrector::new(settings);
-    let primary = m.parameters()[0];
     let empty = |node: &Node, stop| Trace {
         nodes: vec![node.clone()],
         located: Vec::new(),
@@ -59,13 +58,28 @@ pub(crate) fn follow_both<M: Manifold>(
         stop,
     };
     let (node, along) = match start {
-        Start::AtParameter(mut z) => {
-            m.rescale(&z);
-            m.accept(&z);
-            let mut row = vec![0.0; m.len()];
-            row[primary] = m.weights()[primary].sqrt();
-            let target = row[primary] * z[primary];
-            corrector.correct(m, &mut z, &row, target, false)?;
+        Start::AtParameter(guess) => {
+            let mut first = None;
+            let mut found = None;
+            for fixed in m.parameters() {
+                let mut z = guess.clone();
+                m.rescale(&z);
+                m.accept(&z);
+                let mut row = vec![0.0; m.len()];
+                row[fixed] = m.weights()[fixed].sqrt();
+                let target = row[fixed] * z[fixed];
+                match corrector.correct(m, &mut z, &row, target, false) {
+                    Ok(_) => {
+                        found = Some((z, row));
+                        break;
+                    }
+                    // The first reason is the one to tell.
+                    Err(failure) => first = first.or(Some(failure)),
+                }
+            }
+            let Some((z, row)) = found else {
+                return Err(first.unwrap_or(Failure::Singular).into());
+            };
             m.rescale(&z);
             m.accept(&z);
             (corrector.node(m, z, &row)?, false)

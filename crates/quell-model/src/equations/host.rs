@@ -2,6 +2,7 @@
 
 use quell_expression::{Dimension, Graph, Quantity, Slot};
 
+use super::driven::HarmonicLaw;
 use super::names::Vocabulary;
 use super::waveform::Waveform;
 use crate::linear::{CoordinateKind, InputKind};
@@ -142,6 +143,8 @@ pub struct EquationInput {
     pub dimension: Dimension,
     /// What it is in a run in time: its value and two derivatives; none: zero unless a run says otherwise.
     pub waveform: Option<Waveform>,
+    /// How a harmonic one without sweep was typed, by parameters of the host.
+    pub harmonic: Option<HarmonicLaw>,
 }
 
 /// A place where a device can act.

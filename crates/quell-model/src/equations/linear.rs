@@ -308,6 +308,7 @@ impl<'a> Lowering<'a> {
                 kind: EquationInputKind::Mechanical(input.kind),
                 dimension: input.dimension,
                 waveform: host.waveforms.get(index).cloned().flatten(),
+                harmonic: None,
             })
             .collect();
         let mut parameters = Vec::new();

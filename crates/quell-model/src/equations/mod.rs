@@ -32,6 +32,7 @@
 //! ```
 
 mod amounts;
+mod driven;
 mod host;
 pub(crate) mod keys;
 mod lagrangian;
@@ -49,6 +50,7 @@ pub(crate) mod signal;
 mod waveform;
 
 pub(crate) use amounts::Amounts;
+pub use driven::{Driven, HarmonicLaw};
 pub use host::{
     EquationCoordinate, EquationElement, EquationHost, EquationInput, EquationInputKind,
     EquationOutput, EquationPort, FirstOrderState, HostParameter, Measure, OperatingRange, Symbol,

@@ -140,6 +140,11 @@ pub(super) fn inputs(
             kind,
             dimension,
             waveform,
+            harmonic: entry
+                .get("signal")
+                .map(|value| signal::harmonic_law(&value))
+                .transpose()?
+                .flatten(),
         });
     }
     Ok(inputs)

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use quell_document::{Fault, Table, Value};
-use quell_expression::Dimension;
+use quell_expression::{Dimension, Expression, Node};
 
 use super::amounts::Amounts;
+use super::driven::HarmonicLaw;
 use super::keys;
 use super::random::Random;
 use super::samples::Samples;
@@ -49,6 +50,31 @@ pub(crate) fn read(
         "random" => Waveform::Random(reader.random(&table)?),
         _ => Waveform::Sampled(reader.sampled(&table, folder)?),
     })
+}
+
+/// A harmonic signal without sweep as it was typed.
+pub(crate) fn harmonic_law(value: &Value<'_>) -> Result<Option<HarmonicLaw>, Fault> {
+    let Some(value) = value.as_table()?.get("harmonic") else {
+        return Ok(None);
+    };
+    let table = value.as_table()?;
+    if table.get("sweep").is_some() {
+        return Ok(None);
+    }
+    let typed = |value: Value<'_>| -> Result<Expression, Fault> {
+        if value.is_text() {
+            return value.expression();
+        }
+        Ok(Expression {
+            node: Node::Number(value.as_f64()?),
+            span: value.span(),
+        })
+    };
+    Ok(Some(HarmonicLaw {
+        amplitude: typed(table.require("amplitude")?)?,
+        frequency: typed(table.require("frequency")?)?,
+        phase: table.get("phase").map(typed).transpose()?,
+    }))
 }
 
 /// The file that a signal names, if it names one.

@@ -4,6 +4,7 @@ use quell_expression::{BatchWorkspace, LANES};
 
 use super::compiled::System;
 use super::prepared::{Prepared, scatter};
+use super::slopes::SlopeWorkspaces;
 
 /// A system at [`LANES`] points at a time, each with its own parameters if need be.
 ///
@@ -11,12 +12,13 @@ use super::prepared::{Prepared, scatter};
 #[derive(Debug, Clone)]
 pub struct Batch<'s> {
     system: &'s System,
-    point: Vec<[f64; LANES]>,
+    pub(crate) point: Vec<[f64; LANES]>,
     rates: BatchWorkspace,
     jacobian: BatchWorkspace,
     outputs: Vec<[f64; LANES]>,
     /// Where Newton's method takes part: each lane by itself. One for all, or one for each.
     lanes: Vec<Prepared<'s>>,
+    pub(crate) slopes: SlopeWorkspaces,
 }
 
 impl System {
@@ -24,15 +26,8 @@ impl System {
     #[must_use]
     pub fn prepare_batch(&self, parameters: &[f64]) -> Batch<'_> {
         let mut batch = self.empty_batch();
-        for (parameter, value) in self.parameters.iter().zip(parameters) {
-            if let Some(entry) = batch.point.get_mut(parameter.input) {
-                *entry = [*value; LANES];
-            }
-        }
-        let scalars: Vec<f64> = batch.point.iter().map(|lanes| lanes[0]).collect();
-        self.rates.prepare_batch(&scalars, &mut batch.rates);
-        self.jacobian.prepare_batch(&scalars, &mut batch.jacobian);
         batch.lanes.push(self.prepare(parameters));
+        batch.set_parameters(parameters);
         batch
     }
 
@@ -68,12 +63,39 @@ impl System {
             jacobian: BatchWorkspace::default(),
             outputs: Vec::new(),
             lanes: Vec::new(),
+            slopes: SlopeWorkspaces::default(),
         }
     }
 }
 
 impl Batch<'_> {
-    fn move_to(&mut self, t: &[f64; LANES], x: &[[f64; LANES]]) {
+    /// Other values of the parameters, for all lanes alike.
+    pub fn set_parameters(&mut self, parameters: &[f64]) {
+        for (parameter, value) in self.system.parameters.iter().zip(parameters) {
+            if let Some(entry) = self.point.get_mut(parameter.input) {
+                *entry = [*value; LANES];
+            }
+        }
+        let system = self.system;
+        system.rates.prepare_lanes(&self.point, &mut self.rates);
+        system
+            .jacobian
+            .prepare_lanes(&self.point, &mut self.jacobian);
+        self.slopes.clear();
+        self.lanes.truncate(1);
+        for prepared in &mut self.lanes {
+            prepared.set_parameters(parameters);
+        }
+    }
+
+    /// Begins Newton's method anew in every lane, so that what follows does not depend on what was before.
+    pub fn forget(&mut self) {
+        for prepared in &mut self.lanes {
+            prepared.forget();
+        }
+    }
+
+    pub(crate) fn move_to(&mut self, t: &[f64; LANES], x: &[[f64; LANES]]) {
         if let Some(entry) = self.point.get_mut(self.system.time) {
             *entry = *t;
         }

@@ -247,6 +247,10 @@ impl System {
         self.prepare(parameters).start(0.0)
     }
 
+    pub(crate) const fn assembled(&self) -> &Assembled {
+        &self.assembled
+    }
+
     pub(crate) fn mask(&self) -> Vec<bool> {
         parameter_mask(&self.assembled)
     }

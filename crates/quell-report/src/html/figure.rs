@@ -19,7 +19,7 @@ pub(super) fn figure(plot: &Plot, id: &str) -> Markup {
                     li {
                         svg viewBox="0 0 30 10" width="30" height="10" aria-hidden="true" {
                             path d="M1 5H29" fill="none" stroke=(stroke.colour) stroke-width="2" stroke-dasharray=[stroke.dashes] {}
-                            @if series.peak.is_some() || series.markers { circle cx="15" cy="5" r="3.4" fill=(stroke.colour) {} }
+                            @if series.peak.is_some() || series.markers || !series.marks.is_empty() { circle cx="15" cy="5" r="3.4" fill=(stroke.colour) {} }
                         }
                         span { (series.name) }
                         @if let Some((x, y)) = series.peak {

@@ -10,7 +10,7 @@ use super::figure::figure;
 use super::{anchor, count, energy, prose};
 use crate::number::{SIGNIFICANT_DIGITS, compact, percent, unit};
 use crate::page::{
-    Configuration, Design, Parameter, ReferenceRow, SweepPoint, TaskKind, TaskSection,
+    Configuration, Design, Parameter, PointTable, ReferenceRow, SweepPoint, TaskKind, TaskSection,
 };
 use crate::plot::{Axis, Plot, Role, Series};
 
@@ -24,7 +24,7 @@ pub(super) fn section(task: &TaskSection, index: usize) -> Markup {
         section.task id=(id) {
             h2 {
                 (task.name)
-                span.kind { @match task.kind { TaskKind::Design => "design", TaskKind::Evaluate => "evaluate" } }
+                span.kind { (task.kind.word()) }
                 @if let Some(status) = &task.status { span.tag.alarm { (status) } }
             }
             @for words in &task.words { p.prose { (prose(words)) } }
@@ -57,9 +57,26 @@ fn results(
         }
         (energy::section(configurations))
         @for (index, plot) in task.plots.iter().enumerate() { (figure(plot, &format!("{id}-plot-{index}"))) }
+        @if let Some(points) = &task.points { (points_table(points)) }
         @if task.kind == TaskKind::Design && (task.criteria.len() > 1 || !task.references.is_empty()) { (comparison(task, designs.first())) }
         @if designs.len() > 1 { (ranks(task, designs)) }
         @if !task.front.is_empty() { (front(task)) }
+    }
+}
+
+/// Special points of branches.
+fn points_table(points: &PointTable) -> Markup {
+    html! {
+        @if !points.rows.is_empty() {
+            div.scroll { table.plain.snug {
+                thead { tr { @for head in &points.heading { th { (head) } } } }
+                tbody {
+                    @for row in &points.rows {
+                        tr { @for cell in row { td.number { (cell) } } }
+                    }
+                }
+            } }
+        }
     }
 }
 
@@ -372,6 +389,7 @@ fn sweep_plots(task: &TaskSection) -> Vec<Plot> {
                     .collect(),
                 peak: None,
                 markers: true,
+                ..Series::default()
             };
             let series = if names.is_empty() {
                 vec![curve("best design", &|point| {

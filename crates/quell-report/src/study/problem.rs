@@ -228,6 +228,7 @@ pub(super) fn evaluated(
 ) -> Box<dyn Iterator<Item = &quell_study::Evaluated> + '_> {
     match findings {
         Findings::Evaluate(all) => Box::new(all.iter()),
+        Findings::Continuation(_) => Box::new(std::iter::empty()),
         Findings::Design(design) => Box::new(
             design
                 .references

@@ -80,7 +80,7 @@ impl Bridge<'_> {
             .find(|known| known.name == task.name);
         let design = asked.and_then(|asked| match &asked.kind {
             Asked::Design(design) => Some(design.as_ref()),
-            Asked::Evaluate(_) => None,
+            _ => None,
         });
         let criteria = self.columns(task, design);
         let swept = task.points.iter().any(|point| !point.at.is_empty());
@@ -141,6 +141,13 @@ impl Bridge<'_> {
             }
             section.plots = self.swept_plots(asked, task);
         } else if let Some(point) = first {
+            if let Findings::Continuation(found) = &point.findings {
+                section.kind = super::branches::kind(found);
+                section.words = super::branches::words(found);
+                section.points = Some(super::branches::table(found));
+                section.plots = super::branches::plots(found);
+                return section;
+            }
             section.designs = self.designs(point, design, &section.criteria);
             section.smaller = self.smaller(point, design, &section.criteria);
             section.words.extend(synthesis_words(point));
@@ -481,7 +488,7 @@ fn words(task: &TaskOutcome, design: Option<&DesignTask>) -> Vec<String> {
     };
     let findings = task.points.first().and_then(|point| match &point.findings {
         Findings::Design(findings) => Some(findings.as_ref()),
-        Findings::Evaluate(_) | Findings::Front(_) => None,
+        _ => None,
     });
     let verb = match design.sense {
         Sense::Minimise => "Smallest",
@@ -647,6 +654,7 @@ fn curve(series: &quell_study::Series, name: String, role: plot::Role) -> Series
         points: series.points.clone(),
         peak: series.peak,
         markers: false,
+        ..Series::default()
     }
 }
 

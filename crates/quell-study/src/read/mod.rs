@@ -1,5 +1,6 @@
 //! From a study file to a [`Study`]: keys checked, names resolved, layouts parsed; every fault at its place.
 
+mod continuation;
 mod devices;
 mod immittance;
 mod objectives;
@@ -63,9 +64,30 @@ impl Study {
             root.get("components"),
         )?;
         let components = devices::component_layouts(components, &kinds)?;
-        let devices = devices::devices(&root.require("devices")?, &kinds, &standing.host, &source)?;
-        let runs = runs(&root.require("runs")?, &standing.host, &source)?;
-        let criteria = criteria(&root.require("criteria")?, &runs)?;
+        // Whoever only follows branches may do without these.
+        let free = continuation::alone(&root);
+        let section = |key: &str| match root.get(key) {
+            None if free => Ok(None),
+            None => {
+                let known = keys::STUDY.keys.iter().find(|known| known.name == key);
+                let words = known.map_or("", |known| known.documentation);
+                let missing = root.require(key).map(Some);
+                missing.map_err(|fault| fault.help(format!("`{key}`: {words}")))
+            }
+            Some(value) => Ok(Some(value)),
+        };
+        let devices = match section("devices")? {
+            Some(value) => devices::devices(&value, &kinds, &standing.host, &source)?,
+            None => IndexMap::new(),
+        };
+        let runs = match section("runs")? {
+            Some(value) => runs(&value, &standing.host, &source)?,
+            None => IndexMap::new(),
+        };
+        let criteria = match section("criteria")? {
+            Some(value) => criteria(&value, &runs)?,
+            None => IndexMap::new(),
+        };
         let mut study = Self {
             title: root.require("title")?.as_str()?.to_owned(),
             hash: hash(&source.text, &host, &samples(&document, folder))?,

@@ -5,7 +5,9 @@ use quell_document::{Fault, Table, Value};
 use quell_expression::{ComparisonOperator, Expression, Node, Span};
 use quell_network::{Budget, Domain, Enumeration, EnumerationError, Equivalence, Kinds, Layout};
 
-use super::{amounts_of, devices, immittance, objectives, resolve, sweep, transient, unknown};
+use super::{
+    amounts_of, continuation, devices, immittance, objectives, resolve, sweep, transient, unknown,
+};
 use crate::amount::Amount;
 use crate::built::domain_of;
 use crate::keys;
@@ -44,9 +46,11 @@ pub(super) fn tasks(value: &Value<'_>, study: &Study) -> Result<Vec<Task>, Fault
                 .fault(format!("there are two tasks `{name}`"))
                 .help("give each its own name"));
         }
-        let kind = table.require("kind")?.one_of(&["evaluate", "design"])?;
+        let kind = table.require("kind")?.one_of(&KINDS)?;
         refuse_strangers(&table, kind)?;
-        let kind = if kind == "evaluate" {
+        let kind = if continuation::KINDS.contains(&kind) {
+            TaskKind::Continuation(Box::new(continuation::task(&table, kind, study, &tasks)?))
+        } else if kind == "evaluate" {
             let found = evaluate(&table, study)?;
             for (name, spec) in &found {
                 if configurations.contains(name) {
@@ -70,27 +74,37 @@ pub(super) fn tasks(value: &Value<'_>, study: &Study) -> Result<Vec<Task>, Fault
     Ok(tasks)
 }
 
-/// Keys of the other kind of task.
+/// The kinds of task.
+pub(crate) const KINDS: [&str; 5] = ["evaluate", "design", "branch", "curve", "diagram"];
+
+/// Keys of the other kinds of task.
 fn refuse_strangers(table: &Table<'_>, kind: &str) -> Result<(), Fault> {
-    let strangers: &[&str] = if kind == "evaluate" {
-        &[
-            "minimise",
-            "maximise",
-            "subject_to",
-            "references",
-            "candidates",
-            "fixed",
-            "bounds",
-            "starts",
-            "agree",
-            "most_starts",
-            "front_points",
-            "feasibility",
-            "simplify",
-        ]
-    } else {
-        &["configurations"]
-    };
+    const DESIGN: [&str; 13] = [
+        "minimise",
+        "maximise",
+        "subject_to",
+        "references",
+        "candidates",
+        "fixed",
+        "bounds",
+        "starts",
+        "agree",
+        "most_starts",
+        "front_points",
+        "feasibility",
+        "simplify",
+    ];
+    let mut strangers: Vec<&str> = Vec::new();
+    if kind != "design" {
+        strangers.extend(DESIGN);
+    }
+    if kind != "evaluate" {
+        strangers.push("configurations");
+    }
+    strangers.extend(continuation::own_keys().filter(|key| !continuation::takes(kind, key)));
+    if kind == "curve" {
+        strangers.push("sweep");
+    }
     for key in strangers {
         if let Some(span) = table.key_span(key) {
             return Err(Fault::at(
@@ -198,38 +212,7 @@ fn evaluate(
     let mut found = IndexMap::new();
     for (name, span, value) in value.as_table()?.entries() {
         let entry = value.as_table().map_err(|fault| fault.help(EXAMPLE))?;
-        let mut layouts = IndexMap::new();
-        let mut values = IndexMap::new();
-        let mut runs: IndexMap<String, Run> = IndexMap::new();
-        for (key, key_span, value) in entry.entries() {
-            if let Some(path) = key.strip_prefix("runs.") {
-                override_run(study, &mut runs, path, key_span, &value)?;
-                continue;
-            }
-            match slot_of(study, key, key_span)? {
-                Some(slot) => {
-                    let layout =
-                        devices::layout(&value, &kinds_of(study, domain_of(study, &slot)))?;
-                    let taken = layouts.insert(slot, (layout, value.span()));
-                    refuse_second(taken.is_some(), key, key_span, study)?;
-                }
-                None if value.as_str().is_ok_and(|text| text.contains('|')) => {
-                    return Err(no_such_slot(study, key, key_span));
-                }
-                None => {
-                    values.insert(key.to_owned(), Amount::read(&value, &study.source)?);
-                }
-            }
-        }
-        found.insert(
-            name.to_owned(),
-            ConfigurationSpec {
-                runs,
-                layouts,
-                values,
-                span,
-            },
-        );
+        found.insert(name.to_owned(), configuration_of(&entry, span, study)?);
     }
     if found.is_empty() {
         return Err(value
@@ -237,6 +220,42 @@ fn evaluate(
             .help(EXAMPLE));
     }
     Ok(found)
+}
+
+/// One configuration: a layout for each slot, and values.
+pub(super) fn configuration_of(
+    entry: &Table<'_>,
+    span: Span,
+    study: &Study,
+) -> Result<ConfigurationSpec, Fault> {
+    let mut layouts = IndexMap::new();
+    let mut values = IndexMap::new();
+    let mut runs: IndexMap<String, Run> = IndexMap::new();
+    for (key, key_span, value) in entry.entries() {
+        if let Some(path) = key.strip_prefix("runs.") {
+            override_run(study, &mut runs, path, key_span, &value)?;
+            continue;
+        }
+        match slot_of(study, key, key_span)? {
+            Some(slot) => {
+                let layout = devices::layout(&value, &kinds_of(study, domain_of(study, &slot)))?;
+                let taken = layouts.insert(slot, (layout, value.span()));
+                refuse_second(taken.is_some(), key, key_span, study)?;
+            }
+            None if value.as_str().is_ok_and(|text| text.contains('|')) => {
+                return Err(no_such_slot(study, key, key_span));
+            }
+            None => {
+                values.insert(key.to_owned(), Amount::read(&value, &study.source)?);
+            }
+        }
+    }
+    Ok(ConfigurationSpec {
+        runs,
+        layouts,
+        values,
+        span,
+    })
 }
 
 /// `runs.RUN.KEY` of a configuration: the run with another value of the key.

@@ -1,0 +1,106 @@
+//! Branches, curves and diagrams as typed.
+
+use indexmap::IndexMap;
+use quell_expression::{Expression, Span, Unit};
+
+use crate::amount::Amount;
+use crate::study::ConfigurationSpec;
+
+/// What is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Follows {
+    /// Equilibria or cycles in one parameter.
+    Branch,
+    /// Special points in two parameters.
+    Curve,
+    /// Everything that can be found in one parameter.
+    Diagram,
+}
+
+impl Follows {
+    /// The kind of the task in the study file.
+    #[must_use]
+    pub const fn kind(self) -> &'static str {
+        match self {
+            Self::Branch => "branch",
+            Self::Curve => "curve",
+            Self::Diagram => "diagram",
+        }
+    }
+}
+
+/// A task of kind `branch`, `curve` or `diagram`.
+#[derive(Debug, Clone)]
+pub struct ContinuationTask {
+    /// What is followed.
+    pub follows: Follows,
+    /// Layouts and values; that of the start unless given.
+    pub configuration: Option<ConfigurationSpec>,
+    /// The free parameters, one or two.
+    pub parameters: Vec<(String, Span)>,
+    /// Ranges of free parameters, by name.
+    pub ranges: IndexMap<String, ParameterRange>,
+    /// Where it begins.
+    pub start: BranchStart,
+    /// Values of the first parameter at which solutions are wanted.
+    pub at: Vec<Amount>,
+    /// Numbers taken from every solution.
+    pub measures: IndexMap<String, Measure>,
+    /// branch: whether cycles born at Hopf points are followed too.
+    pub cycles: bool,
+    /// diagram: how often branches of branches are followed.
+    pub depth: usize,
+    /// Most points in each direction.
+    pub points: usize,
+    /// Estimated error that the mesh of a cycle holds, relative to its size.
+    pub tolerance: f64,
+    /// A branch of cycles ends beyond this period.
+    pub longest_period: Option<Amount>,
+    /// The period of the forcing, where the equations depend on time.
+    pub period: Option<Amount>,
+    /// Where the task is declared.
+    pub span: Span,
+}
+
+/// The range of a free parameter.
+#[derive(Debug, Clone)]
+pub struct ParameterRange {
+    /// Lower end.
+    pub from: Amount,
+    /// Upper end.
+    pub to: Amount,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// Where a branch or curve begins.
+#[derive(Debug, Clone)]
+pub enum BranchStart {
+    /// At the equilibrium near the start of runs in time.
+    Equilibrium,
+    /// At a labelled point of another task.
+    Label {
+        /// Name of the task.
+        task: String,
+        /// `H1`, or `C1:NS1` where several branches have the label.
+        label: String,
+        /// Where it stands.
+        span: Span,
+    },
+    /// At the orbit on which a run in time ends.
+    Run {
+        /// Name of the run.
+        run: String,
+        /// Where it stands.
+        span: Span,
+    },
+}
+
+/// A number taken from every solution of a branch.
+#[derive(Debug, Clone)]
+pub struct Measure {
+    /// What it is.
+    pub value: Expression,
+    /// The unit in which people read it.
+    pub unit: Option<(Unit, Span)>,
+}

@@ -1,0 +1,91 @@
+//! Branches of equilibria and cycles, curves of their special points, diagrams: the tasks `branch`, `curve`, `diagram`.
+
+mod ask;
+mod field;
+mod forcing;
+mod measure;
+mod model;
+mod outcome;
+mod record;
+mod report;
+mod settled;
+mod solve;
+mod watch;
+
+pub use ask::{BranchStart, ContinuationTask, Follows, Measure, ParameterRange};
+pub use outcome::{
+    BranchOutcome, BranchPoint, ContinuationFindings, FreeParameter, MeasureHead, SpecialPoint,
+};
+pub(crate) use record::record;
+pub use record::{AtResult, BranchResult, ContinuationResult, SpecialResult, StopResult};
+pub(crate) use solve::{Solved, solve};
+pub(crate) use watch::Watcher;
+
+use quell_document::Fault;
+
+use crate::situation::Situation;
+use crate::study::{Study, TaskKind};
+
+impl Study {
+    /// Whether a task follows branches.
+    pub(crate) fn follows_branches(&self) -> bool {
+        self.tasks
+            .iter()
+            .any(|task| matches!(task.kind, TaskKind::Continuation(_)))
+    }
+
+    /// The task of this kind and name.
+    pub(crate) fn continuation(&self, name: &str) -> Option<&ContinuationTask> {
+        self.tasks.iter().find_map(|task| match &task.kind {
+            TaskKind::Continuation(found) if task.name == name => Some(found.as_ref()),
+            _ => None,
+        })
+    }
+}
+
+/// Checks a task without following anything; says what it would do.
+///
+/// # Errors
+/// Whatever is wrong with it.
+pub(crate) fn check(
+    study: &Study,
+    situation: &Situation,
+    task: &ContinuationTask,
+) -> Result<String, Fault> {
+    let whole = inherited(study, task);
+    let (model, ..) = solve::model(study, situation, &whole, None)?;
+    solve::settings(situation, &whole, &model, &Watcher::default())?;
+    let names: Vec<&str> = task
+        .parameters
+        .iter()
+        .map(|(name, _)| name.as_str())
+        .collect();
+    let states = model.states().len();
+    Ok(format!(
+        "follows a {} in {} ({states} states)",
+        task.follows.kind(),
+        names.join(" and ")
+    ))
+}
+
+/// A task with what it takes from those that it starts at: configuration and ranges.
+fn inherited(study: &Study, task: &ContinuationTask) -> ContinuationTask {
+    let mut whole = task.clone();
+    let mut next = task.start.clone();
+    // A start names a task above, so this ends.
+    while let BranchStart::Label { task, .. } = &next {
+        let Some(before) = study.continuation(task) else {
+            break;
+        };
+        if whole.configuration.is_none() {
+            whole.configuration.clone_from(&before.configuration);
+        }
+        for (name, range) in &before.ranges {
+            if !whole.ranges.contains_key(name) {
+                whole.ranges.insert(name.clone(), range.clone());
+            }
+        }
+        next = before.start.clone();
+    }
+    whole
+}

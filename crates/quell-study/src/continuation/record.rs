@@ -1,0 +1,164 @@
+//! Branches, curves and diagrams in `results.json`.
+
+use indexmap::IndexMap;
+use serde::Serialize;
+
+use super::outcome::{BranchOutcome, BranchPoint, ContinuationFindings, SpecialPoint};
+
+/// What a task of kind `branch`, `curve` or `diagram` found.
+#[derive(Debug, Clone, Serialize)]
+pub struct ContinuationResult {
+    /// Names of the free parameters.
+    pub parameters: Vec<String>,
+    /// Layouts and values.
+    pub devices: IndexMap<String, crate::results::DeviceResult>,
+    /// The branches.
+    pub branches: Vec<BranchResult>,
+    /// What could not be followed, and why.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+}
+
+/// A branch or curve.
+#[derive(Debug, Clone, Serialize)]
+pub struct BranchResult {
+    /// `E1`, `C1`, `K1` …: of equilibria, cycles, special points.
+    pub id: String,
+    /// `equilibrium`, `cycle`, or the code of the special points that the curve consists of.
+    pub of: &'static str,
+    /// The labelled point that it was born at, `E1:H1`.
+    pub parent: Option<String>,
+    /// Why it ends.
+    pub stop: StopResult,
+    /// The file of its points, beside `results.json`.
+    pub file: String,
+    /// Special points from the backward to the forward end.
+    pub special: Vec<SpecialResult>,
+    /// Solutions at the values of the parameter that were asked for.
+    pub at: Vec<AtResult>,
+}
+
+/// Why a branch ends.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct StopResult {
+    /// In the direction that the start looks back in.
+    pub backward: &'static str,
+    /// In the other.
+    pub forward: &'static str,
+}
+
+/// A special point.
+#[derive(Debug, Clone, Serialize)]
+pub struct SpecialResult {
+    /// Kind and number along the branch, `H1`.
+    pub label: String,
+    /// Code of the kind.
+    pub kind: String,
+    /// Values of the free parameters, SI.
+    pub parameters: IndexMap<String, f64>,
+    /// Period of a cycle, s.
+    pub period_s: Option<f64>,
+    /// Frequency of the critical pair, rad/s; at a torus point its angle in a period, rad.
+    pub omega: Option<f64>,
+    /// Frequency of the second pair, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_omega: Option<f64>,
+    /// Numbers of unstable eigenvalues or multipliers before and after.
+    pub unstable: [usize; 2],
+    /// Coefficients of the normal form by name.
+    pub normal_form: IndexMap<&'static str, f64>,
+    /// By name, SI.
+    pub measures: IndexMap<String, f64>,
+    /// Uncertainty of the parameter, SI.
+    pub error: f64,
+    /// `located`, or `unresolved`: something happens here that could not be told apart.
+    pub status: &'static str,
+}
+
+/// A solution at a value of the parameter that was asked for.
+#[derive(Debug, Clone, Serialize)]
+pub struct AtResult {
+    /// Values of the free parameters, SI.
+    pub parameters: IndexMap<String, f64>,
+    /// Period of a cycle, s.
+    pub period_s: Option<f64>,
+    /// By name, SI.
+    pub measures: IndexMap<String, f64>,
+    /// Whether it is stable.
+    pub stable: bool,
+}
+
+/// The record of what was found.
+pub(crate) fn record(
+    found: &ContinuationFindings,
+    devices: IndexMap<String, crate::results::DeviceResult>,
+) -> ContinuationResult {
+    ContinuationResult {
+        parameters: found
+            .parameters
+            .iter()
+            .map(|one| one.name.clone())
+            .collect(),
+        devices,
+        branches: found
+            .branches
+            .iter()
+            .map(|one| branch(found, one))
+            .collect(),
+        notes: found.notes.clone(),
+    }
+}
+
+fn parameters(found: &ContinuationFindings, point: &BranchPoint) -> IndexMap<String, f64> {
+    let names = found.parameters.iter().map(|one| one.name.clone());
+    names.zip(point.parameters.iter().copied()).collect()
+}
+
+fn measures(found: &ContinuationFindings, point: &BranchPoint) -> IndexMap<String, f64> {
+    let names = found.measures.iter().map(|one| one.name.clone());
+    names.zip(point.measures.iter().copied()).collect()
+}
+
+fn branch(found: &ContinuationFindings, one: &BranchOutcome) -> BranchResult {
+    BranchResult {
+        id: one.id.clone(),
+        of: one.of,
+        parent: one.parent.clone(),
+        stop: StopResult {
+            backward: one.stop[0],
+            forward: one.stop[1],
+        },
+        file: one.file.clone(),
+        special: one
+            .special
+            .iter()
+            .map(|point| special(found, point))
+            .collect(),
+        at: one
+            .at
+            .iter()
+            .map(|point| AtResult {
+                parameters: parameters(found, point),
+                period_s: point.period,
+                measures: measures(found, point),
+                stable: point.unstable == 0,
+            })
+            .collect(),
+    }
+}
+
+fn special(found: &ContinuationFindings, one: &SpecialPoint) -> SpecialResult {
+    SpecialResult {
+        label: one.label.clone(),
+        kind: one.kind.clone(),
+        parameters: parameters(found, &one.point),
+        period_s: one.point.period,
+        omega: one.omega,
+        second_omega: one.second_omega,
+        unstable: one.unstable,
+        normal_form: one.normal_form.iter().copied().collect(),
+        measures: measures(found, &one.point),
+        error: one.error,
+        status: if one.located { "located" } else { "unresolved" },
+    }
+}

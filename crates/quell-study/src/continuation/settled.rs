@@ -1,0 +1,178 @@
+//! The cycle on which a run in time ends, as a start.
+
+use quell_continuation::Samples;
+use quell_document::Fault;
+use quell_expression::{Dimension, Span};
+use quell_response::transient::{End, Method, Settings, Trajectory, simulate};
+
+use super::model::Model;
+use crate::situation::Situation;
+use crate::study::{ConfigurationSpec, Integration, Run, StartAt, Study};
+
+/// Samples of a cycle.
+#[derive(Debug)]
+pub(super) struct Settled {
+    times: Vec<f64>,
+    states: Vec<Vec<f64>>,
+    period: f64,
+    periods: usize,
+}
+
+impl Settled {
+    pub(super) fn samples(&self) -> Samples<'_> {
+        Samples {
+            times: &self.times,
+            states: &self.states,
+            period: self.period,
+            periods: self.periods,
+            winding: &[],
+        }
+    }
+}
+
+/// Samples of the last period.
+const SAMPLES: usize = 400;
+/// A return to within this share of the swing closes a cycle.
+const CLOSED: f64 = 0.02;
+/// Longest cycle that is looked for, in turns of the state that swings most, or in periods of the forcing.
+const TURNS: usize = 8;
+
+/// Lets a run go and takes its last period.
+///
+/// # Errors
+/// A run that is none in time, or that ends on no cycle.
+pub(super) fn samples(
+    study: &Study,
+    situation: &Situation,
+    spec: &ConfigurationSpec,
+    name: &str,
+    span: Span,
+    model: &Model,
+) -> Result<Settled, Fault> {
+    let fault = |message: String| Fault::at(&study.source, span, message);
+    let run = match spec.runs.get(name).or_else(|| study.runs.get(name)) {
+        Some(Run::Transient(run)) => run,
+        Some(_) => {
+            return Err(fault(format!("`{name}` is no run in time"))
+                .help("a branch starts at the end of a run of `kind = \"transient\"`"));
+        }
+        None => return Err(fault(format!("there is no run `{name}`"))),
+    };
+    if !run.phases.is_empty() || run.end.is_some() || !run.inputs.is_empty() {
+        return Err(fault(format!(
+            "the run `{name}` has phases, an end event or signals of its own, after which no cycle of the host is settled"
+        ))
+        .help("start at a run that lasts for a time"));
+    }
+    let dimension = if situation.equations()?.dimensionless {
+        Dimension::NONE
+    } else {
+        Dimension::TIME
+    };
+    let duration = run.duration.value(&situation.parameters, dimension)?;
+    let mut settings = Settings::with_method(match run.method {
+        Integration::Automatic => Method::Automatic,
+        Integration::Explicit => Method::Explicit,
+        Integration::Stiff => Method::Stiff,
+        Integration::StiffOscillating => Method::StiffOscillating,
+    });
+    settings.relative = run.tolerance;
+    let base = model.base();
+    let mut moving = model.system().prepare(&model.values(&base));
+    let mut start = moving.start(0.0);
+    if run.start == StartAt::Equilibrium {
+        start = moving.equilibrium(0.0, &start).state;
+    }
+    let trajectory = simulate(&mut moving, &start, (0.0, duration), &[], &settings)
+        .map_err(|error| fault(format!("the run `{name}` failed: {error}")))?;
+    if !matches!(trajectory.end(), End::Time) {
+        return Err(fault(format!(
+            "the run `{name}` did not last to its end, so it ends on no cycle"
+        )));
+    }
+    let turn = match model.forcing_period(&base) {
+        Some(period) => Some(period),
+        None => turn(&trajectory),
+    };
+    let closed = turn.and_then(|turn| closed(&trajectory, turn));
+    let Some((period, turns)) = closed else {
+        return Err(fault(format!("the run `{name}` does not end on a cycle"))
+            .help("let it last longer, or start it nearer to the cycle; near an equilibrium use `start = \"equilibrium\"`"));
+    };
+    let end = trajectory.to();
+    let times: Vec<f64> = (0..=SAMPLES)
+        .map(|index| end - period + period * index as f64 / SAMPLES as f64)
+        .collect();
+    Ok(Settled {
+        states: times.iter().map(|t| trajectory.state(*t)).collect(),
+        times,
+        period,
+        periods: if model.forced() { turns } else { 1 },
+    })
+}
+
+/// The time between the last two rises of the state that swings most through the middle of its swing.
+fn turn(trajectory: &Trajectory) -> Option<f64> {
+    let (from, to) = (0.5 * (trajectory.from() + trajectory.to()), trajectory.to());
+    let mut times: Vec<f64> = trajectory.step_times().filter(|t| *t >= from).collect();
+    times.push(to);
+    let states: Vec<Vec<f64>> = times.iter().map(|t| trajectory.state(*t)).collect();
+    let most = (0..trajectory.states())
+        .map(|index| swing(&states, index))
+        .enumerate()
+        .filter(|(_, (low, high))| high - low > 1e-9 * (high.abs() + low.abs()))
+        .max_by(|(_, a), (_, b)| (a.1 - a.0).total_cmp(&(b.1 - b.0)))?;
+    let (index, (low, high)) = most;
+    let middle = 0.5 * (low + high);
+    let value = |t: f64| trajectory.state(t).get(index).copied().unwrap_or(f64::NAN) - middle;
+    let mut rises = Vec::new();
+    for pair in times.windows(2) {
+        let [before, after] = pair else { continue };
+        if value(*before) < 0.0 && value(*after) >= 0.0 {
+            let (mut a, mut b) = (*before, *after);
+            for _ in 0..60 {
+                let half = 0.5 * (a + b);
+                if value(half) < 0.0 {
+                    a = half;
+                } else {
+                    b = half;
+                }
+            }
+            rises.push(0.5 * (a + b));
+        }
+    }
+    match rises.as_slice() {
+        [.., before, last] => Some(last - before),
+        _ => None,
+    }
+}
+
+fn swing(states: &[Vec<f64>], index: usize) -> (f64, f64) {
+    states
+        .iter()
+        .filter_map(|state| state.get(index))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(*value), high.max(*value))
+        })
+}
+
+/// The shortest multiple of a turn after which the motion is where it was: the time, and how many turns.
+fn closed(trajectory: &Trajectory, turn: f64) -> Option<(f64, usize)> {
+    let end = trajectory.to();
+    let last = trajectory.state(end);
+    let recent: Vec<Vec<f64>> = (0..100)
+        .map(|index| trajectory.state(end - turn * f64::from(index) / 100.0))
+        .collect();
+    (1..=TURNS).find_map(|turns| {
+        let period = turn * turns as f64;
+        if end - period < trajectory.from() {
+            return None;
+        }
+        let before = trajectory.state(end - period);
+        let near = last.iter().zip(&before).enumerate().all(|(index, (a, b))| {
+            let (low, high) = swing(&recent, index);
+            (a - b).abs() <= CLOSED * (high - low) + 1e-12 * (1.0 + a.abs())
+        });
+        near.then_some((period, turns))
+    })
+}

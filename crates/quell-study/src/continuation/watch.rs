@@ -1,0 +1,52 @@
+//! How far a branch is, for whoever waits for it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+
+use quell_continuation::Monitor;
+
+/// Counts the points that are computed.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Watcher {
+    seen: Arc<Seen>,
+}
+
+#[derive(Debug, Default)]
+struct Seen {
+    points: AtomicUsize,
+    parameter: AtomicU64,
+    measuring: AtomicBool,
+}
+
+impl Watcher {
+    /// A monitor that has no zero: it only counts.
+    pub(super) fn monitor(&self) -> Monitor {
+        let seen = Arc::clone(&self.seen);
+        Monitor::new(move |view| {
+            seen.points.fetch_add(1, Ordering::Relaxed);
+            if let Some(value) = view.parameters.first() {
+                seen.parameter.store(value.to_bits(), Ordering::Relaxed);
+            }
+            1.0
+        })
+    }
+
+    pub(super) fn measuring(&self) {
+        self.seen.measuring.store(true, Ordering::Relaxed);
+    }
+
+    /// Solutions so far, and where the last one is.
+    pub(crate) fn words(&self, parameter: &str) -> String {
+        let points = self.seen.points.load(Ordering::Relaxed);
+        if self.seen.measuring.load(Ordering::Relaxed) {
+            return format!("{points} solutions, measuring");
+        }
+        let value = f64::from_bits(self.seen.parameter.load(Ordering::Relaxed));
+        format!("{points} solutions, {parameter} = {value:.4}")
+    }
+
+    /// Solutions so far.
+    pub(crate) fn solutions(&self) -> u64 {
+        self.seen.points.load(Ordering::Relaxed) as u64
+    }
+}

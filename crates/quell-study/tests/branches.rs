@@ -1,0 +1,236 @@
+//! Branches, curves and diagrams of the gallery against figures that are known otherwise.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a failed test ends by panic"
+)]
+
+use std::path::{Path, PathBuf};
+
+use quell_study::continuation::{BranchResult, ContinuationResult, SpecialResult};
+use quell_study::results::{Results, TaskBody, TaskFindings};
+use quell_study::{RunSettings, Silent, Study};
+
+fn gallery(name: &str) -> Study {
+    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../studies")
+        .join(name);
+    Study::read(&path).unwrap_or_else(|fault| panic!("{}", fault.render()))
+}
+
+fn run(study: &Study, threads: usize, tasks: &[&str]) -> Results {
+    let settings = RunSettings {
+        seed: 1,
+        threads: Some(threads),
+        tasks: tasks.iter().map(|task| (*task).to_owned()).collect(),
+    };
+    quell_study::run(study, &settings, &Silent)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .results
+}
+
+fn found<'a>(results: &'a Results, task: &str) -> &'a ContinuationResult {
+    let result = &results.tasks[task];
+    assert_eq!(result.status, "done", "{task}");
+    match &result.body {
+        TaskBody::Single(TaskFindings::Continuation(found)) => found,
+        other => panic!("{task} follows nothing: {other:?}"),
+    }
+}
+
+fn points<'a>(branch: &'a BranchResult, kind: &str) -> Vec<&'a SpecialResult> {
+    branch
+        .special
+        .iter()
+        .filter(|one| one.kind == kind)
+        .collect()
+}
+
+fn values(branch: &BranchResult, kind: &str, parameter: &str) -> Vec<f64> {
+    let mut values: Vec<f64> = points(branch, kind)
+        .iter()
+        .map(|one| one.parameters[parameter])
+        .collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+#[track_caller]
+fn near(found: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), expected.len(), "{found:?} for {expected:?}");
+    for (found, expected) in found.iter().zip(expected) {
+        assert!(
+            (found - expected).abs() <= tolerance,
+            "{found} for {expected} within {tolerance}"
+        );
+    }
+}
+
+fn cycles(found: &ContinuationResult) -> Vec<&BranchResult> {
+    found
+        .branches
+        .iter()
+        .filter(|branch| branch.of == "cycle")
+        .collect()
+}
+
+/// The measure of the stable cycle at a value of the parameter, of all branches.
+fn stable_at(found: &ContinuationResult, parameter: &str, value: f64, measure: &str) -> Vec<f64> {
+    let mut out: Vec<f64> = cycles(found)
+        .iter()
+        .flat_map(|branch| &branch.at)
+        .filter(|at| at.stable && (at.parameters[parameter] - value).abs() < 1e-9)
+        .map(|at| at.measures[measure])
+        .collect();
+    out.sort_by(f64::total_cmp);
+    out
+}
+
+/// Y. Li's doctoral thesis on the optimal design of passive vibration suppressors with inerters, chapter 5, recomputed with
+/// AUTO-07p (EPSL = EPSU = 1e-9, EPSS = 1e-7, NCOL = 4, NTST = 20-80). Tolerances are a few units of the last digit kept
+/// there; 0.3 % on amplitudes, which it took from mesh points.
+#[test]
+fn a_stiff_damper_lets_two_oscillations_be_bistable() {
+    let study = gallery("zero-shimmy.toml");
+    let results = run(&study, 2, &["L1 36000"]);
+    let found = found(&results, "L1 36000");
+    let rest = &found.branches[0];
+    assert_eq!(rest.of, "equilibrium");
+    let hopf = values(rest, "H", "V");
+    near(&hopf[..1], &[13.4308], 1e-3);
+    near(&hopf[1..2], &[25.0908], 2e-3);
+    near(&hopf[2..3], &[33.8422], 1e-3);
+    near(&hopf[3..], &[61.6176], 2e-3);
+    // Torsion at 28 to 75 rad/s, bending near 110 rad/s.
+    let omegas: Vec<f64> = points(rest, "H")
+        .iter()
+        .map(|one| one.omega.unwrap())
+        .collect();
+    assert_eq!(
+        omegas.iter().filter(|omega| **omega > 100.0).count(),
+        2,
+        "{omegas:?}"
+    );
+    let both = cycles(found);
+    assert_eq!(both.len(), 2);
+    let tori: Vec<Vec<f64>> = both
+        .iter()
+        .map(|branch| values(branch, "NS", "V"))
+        .collect();
+    near(&tori.concat(), &[30.7865, 27.3702], 5e-3);
+    let psi = stable_at(found, "V", 20.0, "psi");
+    near(&[psi[0].to_degrees()], &[3.669], 3e-3 * 3.669);
+    near(
+        &[stable_at(found, "V", 20.0, "bend")[0] * 1e3],
+        &[0.457],
+        3e-3 * 0.457,
+    );
+    near(
+        &[stable_at(found, "V", 40.0, "bend")[0] * 1e3],
+        &[12.15],
+        3e-3 * 12.15,
+    );
+    near(
+        &[stable_at(found, "V", 40.0, "psi")[0].to_degrees()],
+        &[0.527],
+        3e-3 * 0.527,
+    );
+    let period = |value: f64| {
+        let all = both.iter().flat_map(|branch| &branch.at);
+        let stable = all.filter(|at| at.stable && (at.parameters["V"] - value).abs() < 1e-9);
+        stable.map(|at| at.period_s.unwrap()).collect::<Vec<f64>>()
+    };
+    near(&period(20.0), &[0.091_459], 3e-3 * 0.091_459);
+    near(&period(40.0), &[0.057_079], 3e-3 * 0.057_079);
+}
+
+/// As above: with softer dampers one oscillation alone is left.
+#[test]
+fn softer_dampers_leave_one_oscillation() {
+    let study = gallery("zero-shimmy.toml");
+    let results = run(&study, 2, &["L1 5000", "L1 2000"]);
+    let bending = found(&results, "L1 5000");
+    near(
+        &values(&bending.branches[0], "H", "V"),
+        &[25.2024, 50.6803],
+        2e-3,
+    );
+    assert_eq!(bending.branches.len(), 2);
+    assert!(cycles(bending)[0].special.is_empty());
+    let torsion = found(&results, "L1 2000");
+    near(
+        &values(&torsion.branches[0], "H", "V"),
+        &[4.1494, 25.9574],
+        2e-3,
+    );
+    assert_eq!(torsion.branches.len(), 2);
+    assert!(cycles(torsion)[0].special.is_empty());
+    for (speed, degrees) in [(10.0, 7.904), (15.0, 6.050)] {
+        let psi = stable_at(torsion, "V", speed, "psi");
+        near(&[psi[0].to_degrees()], &[degrees], 3e-3 * degrees);
+    }
+}
+
+/// Aeroelastic section of the oracles of this crate's engine: AUTO-07p, EPSL = EPSU = 1e-9, parameters of special points to 1e-6
+/// relative, periods to 1e-7; the generalised Hopf point to half a unit of its last printed digit.
+#[test]
+fn flutter_begins_subcritically_and_a_fold_of_cycles_precedes_it() {
+    let study = gallery("aeroelastic-section.toml");
+    let results = run(&study, 2, &[]);
+    let flutter = found(&results, "flutter");
+    let hopf = points(&flutter.branches[0], "H");
+    assert_eq!(hopf.len(), 1);
+    near(&[hopf[0].parameters["U"]], &[17.957_264_996], 17.96e-6);
+    near(&[hopf[0].omega.unwrap()], &[15.478_938_986], 15.48e-6);
+    assert!(hopf[0].normal_form["l1"] > 0.0, "subcritical");
+    let folds = points(&flutter.branches[1], "LPC");
+    near(&[folds[0].parameters["U"]], &[14.660_123_947], 14.66e-6);
+    near(&[folds[0].period_s.unwrap()], &[0.418_544_969_6], 0.4186e-7);
+    let onset = found(&results, "onset over k_a3");
+    let critical = points(&onset.branches[0], "GH");
+    assert_eq!(critical.len(), 1);
+    near(&[critical[0].parameters["k_a3"]], &[1.0446e4], 0.5);
+    // The curve of folds shrinks to nothing where the birth turns from one kind into the other, which it meets tangentially:
+    // a cycle of relative size 1e-4 still lies 1e-4 from it.
+    let fold = &found(&results, "fold over k_a3").branches[0];
+    assert_eq!(fold.of, "LPC");
+    assert!([fold.stop.backward, fold.stop.forward].contains(&"vanished"));
+}
+
+/// Curves of Hopf points of the gear's first damper: both points at which torsion and bending begin at once are found on both
+/// curves, to the tolerance of their location; below 300 rad/s nothing becomes subcritical (section 10 of the source's recomputation).
+#[test]
+fn hopf_curves_of_the_gear_cross_twice() {
+    let study = gallery("zero-shimmy.toml");
+    let results = run(&study, 2, &[]);
+    let crossings = |task: &str| {
+        let branch = &found(&results, task).branches[0];
+        assert_eq!(branch.of, "H");
+        assert!(points(branch, "GH").is_empty());
+        let mut both: Vec<(f64, f64)> = points(branch, "HH")
+            .iter()
+            .map(|one| (one.parameters["V"], one.parameters["cd"]))
+            .collect();
+        both.sort_by(|a, b| a.0.total_cmp(&b.0));
+        both
+    };
+    let torsion = crossings("L1 Hopf curve of torsion");
+    let bending = crossings("L1 Hopf curve of bending");
+    assert_eq!(torsion.len(), 2);
+    for ((v, c), (other_v, other_c)) in torsion.iter().zip(&bending) {
+        assert!((v / other_v - 1.0).abs() < 1e-6 && (c / other_c - 1.0).abs() < 1e-6);
+    }
+    assert!(crossings("L1 lower Hopf curve of torsion").is_empty());
+}
+
+/// Same study, same bits, for any number of threads.
+#[test]
+fn threads_change_nothing() {
+    let study = gallery("aeroelastic-section.toml");
+    let text = |threads| {
+        let results = run(&study, threads, &["flutter"]);
+        serde_json::to_string(&results.tasks).unwrap()
+    };
+    assert_eq!(text(1), text(2));
+}

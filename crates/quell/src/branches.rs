@@ -1,0 +1,158 @@
+//! Branches, curves and diagrams as text for a terminal: a table of special points.
+
+use std::fmt::Write as _;
+
+use quell_report::number::{significant, unit};
+use quell_study::continuation::{BranchOutcome, BranchPoint, ContinuationFindings};
+
+use crate::table::{Table, wrap};
+
+/// Digits of a number.
+const DIGITS: usize = 6;
+
+/// What a task found, under its name.
+pub(crate) fn text(
+    text: &mut String,
+    name: &str,
+    at: &str,
+    found: &ContinuationFindings,
+    width: usize,
+) {
+    let parameters: Vec<&str> = found
+        .parameters
+        .iter()
+        .map(|one| one.name.as_str())
+        .collect();
+    let place = if at.is_empty() {
+        String::new()
+    } else {
+        format!(", at {at}")
+    };
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        text,
+        "{name}: {} in {}{place}",
+        found.follows.kind(),
+        parameters.join(" and ")
+    );
+    if found.status != "done" {
+        for line in wrap(&format!("NOTHING FOLLOWED: {}", found.status), width - 2) {
+            let _ = writeln!(text, "  {line}");
+        }
+    }
+    if !found.branches.is_empty() {
+        text.push_str(&table(found).text(2, width));
+    }
+    for note in &found.notes {
+        for line in wrap(note, width - 2) {
+            let _ = writeln!(text, "  {line}");
+        }
+    }
+}
+
+fn table(found: &ContinuationFindings) -> Table {
+    let mut heading = vec!["branch".to_owned(), "point".to_owned()];
+    let headed = |name: &str, shown: &str| match shown {
+        "" | "1" => name.to_owned(),
+        text => format!("{name} [{}]", unit(text)),
+    };
+    heading.extend(
+        found
+            .parameters
+            .iter()
+            .map(|one| headed(&one.name, &one.unit)),
+    );
+    heading.push("period [s]".to_owned());
+    heading.extend(
+        found
+            .measures
+            .iter()
+            .map(|one| headed(&one.name, &one.unit)),
+    );
+    heading.push("stability".to_owned());
+    let mut table = Table::new(heading, 2);
+    for branch in &found.branches {
+        let mut cells = vec![branch.id.clone(), words(branch)];
+        cells.resize(
+            5 + found.parameters.len() + found.measures.len() - 1,
+            String::new(),
+        );
+        table.row(cells, Vec::new());
+        let mut rows: Vec<(f64, Vec<String>)> = Vec::new();
+        for special in &branch.special {
+            let [before, after] = special.unstable;
+            let mut stability = format!("{before} → {after} unstable");
+            if !special.located {
+                stability.push_str(", unresolved");
+            }
+            for (name, value) in &special.normal_form {
+                let _ = write!(stability, ", {name} = {}", significant(*value, 4));
+            }
+            rows.push((
+                special.after as f64,
+                row(found, &special.label, &special.point, stability),
+            ));
+        }
+        for at in &branch.at {
+            let stability = if at.unstable == 0 {
+                "stable".to_owned()
+            } else {
+                format!("{} unstable", at.unstable)
+            };
+            rows.push((f64::INFINITY, row(found, "at", at, stability)));
+        }
+        for (_, cells) in rows {
+            table.row(cells, Vec::new());
+        }
+    }
+    table
+}
+
+/// What a branch is, where it comes from and why it ends.
+fn words(branch: &BranchOutcome) -> String {
+    let what = match branch.of {
+        "equilibrium" => "equilibria".to_owned(),
+        "cycle" => "cycles".to_owned(),
+        code => format!("{code} points"),
+    };
+    let from = branch
+        .parent
+        .as_ref()
+        .map_or_else(String::new, |parent| format!(" from {parent}"));
+    let [backward, forward] = branch.stop;
+    let ends = match (backward, forward) {
+        (one, other) if one == other => format!("ends: {one}"),
+        ("not asked", other) | (other, "not asked") => format!("ends: {other}"),
+        (one, other) => format!("ends: {one}, {other}"),
+    };
+    format!("{what}{from} ({} points; {ends})", branch.points.len())
+}
+
+fn row(
+    found: &ContinuationFindings,
+    label: &str,
+    point: &BranchPoint,
+    stability: String,
+) -> Vec<String> {
+    let mut cells = vec![String::new(), label.to_owned()];
+    cells.extend(
+        point
+            .parameters
+            .iter()
+            .map(|value| significant(*value, DIGITS)),
+    );
+    cells.push(
+        point
+            .period
+            .map_or_else(String::new, |period| significant(period, DIGITS)),
+    );
+    cells.extend(
+        found
+            .measures
+            .iter()
+            .zip(&point.measures)
+            .map(|(head, value)| significant(value / head.factor, DIGITS)),
+    );
+    cells.push(stability);
+    cells
+}
