@@ -18,6 +18,7 @@ fn main() -> std::io::Result<()> {
                 .collect(),
             peak: Some((at, magnitude(at))),
             markers: false,
+            ..Series::default()
         }
     };
     let plot = Plot {

@@ -155,6 +155,7 @@ fn curve(name: &str, role: Role, peaks: [(f64, f64, f64); 2]) -> Series {
         points,
         peak,
         markers: false,
+        ..Series::default()
     }
 }
 
@@ -216,6 +217,7 @@ fn design(rank: usize, devices: Vec<Device>, objective: f64, invented: &mut Inve
         feasible: true,
         violation: 0.0,
         certificate: "certified within 2.1×10⁻⁷".into(),
+        ..Design::default()
     }
 }
 

@@ -596,7 +596,7 @@ impl Evaluator {
                 places.into_iter().zip(observations).zip(read)
             {
                 if let Some(entry) = timed.get_mut(place) {
-                    *entry = Some(in_time(&simulated, observation, read, remark));
+                    *entry = Some(reading::in_time(&simulated, observation, read, remark));
                 }
             }
         }

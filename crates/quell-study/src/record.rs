@@ -157,6 +157,7 @@ fn design_result(one: &Design) -> DesignResult {
         evaluations: one.evaluations,
         status: one.status.clone(),
         remarks: one.remarks.clone(),
+        synthesis: one.synthesis.clone(),
     }
 }
 
@@ -187,25 +188,6 @@ fn front_result(front: &FrontFindings) -> TaskFindings {
                     .collect(),
             })
             .collect(),
-    }
-}
-
-fn design_result(one: &Design) -> DesignResult {
-    DesignResult {
-        rank: one.rank,
-        devices: devices(&one.configuration.devices),
-        objective: one.objective,
-        criteria: one.configuration.criteria.clone(),
-        details: one.configuration.details.clone(),
-        improvement: one.improvement.clone(),
-        feasible: one.feasible,
-        violation: one.violation,
-        active_bounds: one.active_bounds.clone(),
-        starts: one.starts,
-        starts_agreeing: one.starts_agreeing,
-        evaluations: one.evaluations,
-        status: one.status.clone(),
-        synthesis: one.synthesis.clone(),
     }
 }
 

@@ -265,7 +265,7 @@ impl Runner<'_> {
             })
             .collect::<Result<Vec<_>, RunError>>()?;
         let mut points = points;
-        if swept {
+        if !task.sweep.is_empty() {
             branches::number_files(&mut points);
         }
         Ok(TaskOutcome {

@@ -19,7 +19,7 @@ fn criteria(name: &str) -> Vec<IndexMap<String, f64>> {
         .iter()
         .map(|point| match &point.findings {
             Findings::Evaluate(found) => found[0].criteria.clone(),
-            Findings::Design(_) => panic!("{name} evaluates"),
+            _ => panic!("{name} evaluates"),
         })
         .collect()
 }

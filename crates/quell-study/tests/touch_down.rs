@@ -203,7 +203,7 @@ fn best(task: &str) -> Design {
     let mut outcome = run(&study, &settings, &Silent).unwrap_or_else(|error| panic!("{error:?}"));
     match outcome.tasks.remove(0).points.remove(0).findings {
         Findings::Design(mut found) => found.designs.remove(0),
-        Findings::Evaluate(_) => panic!("`{task}` designs"),
+        _ => panic!("`{task}` designs"),
     }
 }
 

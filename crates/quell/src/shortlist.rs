@@ -67,7 +67,7 @@ impl Printer<'_> {
             Some(Findings::Continuation(_)) => {
                 for point in points {
                     if let Findings::Continuation(found) = &point.findings {
-                        crate::branches::text(text, name, &at(&point.at), found, WIDTH);
+                        crate::branches::text(text, name, &self.at(asked, &point.at), found, WIDTH);
                     }
                 }
             }

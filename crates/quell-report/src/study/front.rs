@@ -60,6 +60,7 @@ impl Bridge<'_> {
                         points: vec![place(&reference.configuration)],
                         peak: None,
                         markers: true,
+                        ..Series::default()
                     })
                     .collect();
                 series.extend(layouts.iter().take(DRAWN).map(|layout| {
@@ -73,6 +74,7 @@ impl Bridge<'_> {
                             .collect(),
                         peak: None,
                         markers: true,
+                        ..Series::default()
                     }
                 }));
                 let more = match left {

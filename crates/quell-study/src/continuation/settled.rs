@@ -58,6 +58,12 @@ pub(super) fn samples(
         }
         None => return Err(fault(format!("there is no run `{name}`"))),
     };
+    if matches!(run.start, StartAt::States(_)) {
+        return Err(fault(format!(
+            "the run `{name}` begins at values of its own, which a branch does not take over"
+        ))
+        .help("give the host these values under `start`"));
+    }
     if !run.phases.is_empty() || run.end.is_some() || !run.inputs.is_empty() {
         return Err(fault(format!(
             "the run `{name}` has phases, an end event or signals of its own, after which no cycle of the host is settled"
@@ -80,7 +86,7 @@ pub(super) fn samples(
     let base = model.base();
     let mut moving = model.system().prepare(&model.values(&base));
     let mut start = moving.start(0.0);
-    if run.start == StartAt::Equilibrium {
+    if matches!(run.start, StartAt::Equilibrium) {
         start = moving.equilibrium(0.0, &start).state;
     }
     let trajectory = simulate(&mut moving, &start, (0.0, duration), &[], &settings)

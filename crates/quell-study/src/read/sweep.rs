@@ -64,7 +64,7 @@ fn swept(
     let fault = |message: String| Fault::at(&study.source, span, message);
     let constraints: &[Constraint] = match kind {
         TaskKind::Design(design) => &design.constraints,
-        TaskKind::Evaluate(_) => &[],
+        TaskKind::Evaluate(_) | TaskKind::Continuation(_) => &[],
     };
     let bounds = constraints
         .iter()
@@ -83,7 +83,7 @@ fn swept(
                 TaskKind::Design(_) => fault.help(format!(
                     "give it a bound to sweep: `subject_to = [\"{name} <= VALUE\"]`"
                 )),
-                TaskKind::Evaluate(_) => {
+                TaskKind::Evaluate(_) | TaskKind::Continuation(_) => {
                     fault.help("only a task of kind `design` has bounds to sweep")
                 }
             })

@@ -29,7 +29,7 @@ impl Runner<'_> {
     ) -> Result<(Findings, Vec<Plot>), RunError> {
         let solved = self.solve(situation, &task.name, asked, task.sweep.is_empty())?;
         let found = solved.findings.clone();
-        self.progress.advance(&found.status);
+        self.recorder.advance(&found.status);
         Ok((Findings::Continuation(Box::new(found)), Vec::new()))
     }
 
@@ -62,7 +62,7 @@ impl Runner<'_> {
         let parameter = asked.parameters.first().map_or("", |(name, _)| name);
         let (finished, waiting) = channel::<()>();
         let solved = std::thread::scope(|scope| {
-            let (watcher, progress) = (&watcher, self.progress);
+            let (watcher, progress) = (&watcher, self.recorder);
             scope.spawn(move || {
                 while matches!(waiting.recv_timeout(TOLD), Err(RecvTimeoutError::Timeout)) {
                     progress.note(&watcher.words(parameter));

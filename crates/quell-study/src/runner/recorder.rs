@@ -76,6 +76,11 @@ impl<'a> Recorder<'a> {
         self.progress.begin(task, units);
     }
 
+    /// How far the unit at hand is, in words.
+    pub(super) fn note(&self, words: &str) {
+        self.progress.note(words);
+    }
+
     /// Something that is counted in a task is done.
     pub(super) fn advance(&self, best: &str) {
         match &self.store {
