@@ -224,6 +224,53 @@ fn hopf_curves_of_the_gear_cross_twice() {
     assert!(crossings("L1 lower Hopf curve of torsion").is_empty());
 }
 
+/// x'' + 2ζx' + x + x³ = F cos Ωt with ζ = 0.05, F = 0.2: folds at Ω = 1.5224481367 and 1.2520149905 (AUTO-07p, EPSL = EPSU = 1e-9,
+/// parameters to 1e-6 relative). The amplitude and the frequency of a harmonic input are parameters like any other.
+#[test]
+fn forced_motions_are_followed_from_where_a_run_settles() {
+    let text = r#"
+quell = 1
+title = "Folds of a forced oscillator"
+host = "forced-duffing.toml"
+
+[runs.settle]
+kind = "transient"
+duration = 400
+
+[[tasks]]
+name = "response"
+kind = "branch"
+parameter = "Om"
+ranges = { Om = [0.4, 2] }
+start = { run = "settle" }
+at = [1]
+measures = { swing = "amplitude(x)" }
+
+[[tasks]]
+name = "folds"
+kind = "curve"
+start = "response:LPC1"
+parameters = ["Om", "F0"]
+ranges = { F0 = [0.02, 0.4] }
+"#;
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hosts");
+    let source = quell_document::Source::new("study.toml", text.to_owned());
+    let study = Study::parse(source, &folder).unwrap_or_else(|fault| panic!("{}", fault.render()));
+    let results = run(&study, 2, &[]);
+    let response = &found(&results, "response").branches[0];
+    near(
+        &values(response, "LPC", "Om"),
+        &[1.252_014_990_5, 1.522_448_136_7],
+        1.5e-6,
+    );
+    let at = &response.at[0];
+    assert!((at.period_s.unwrap() - std::f64::consts::TAU).abs() < 1e-9);
+    // Folds meet in a cusp at (Ω, F) = (1.09011, 0.0513635), to the digits that are known.
+    let cusps = points(&found(&results, "folds").branches[0], "CPC");
+    near(&[cusps[0].parameters["Om"]], &[1.09011], 1e-5);
+    near(&[cusps[0].parameters["F0"]], &[0.051_363_5], 1e-6);
+}
+
 /// Same study, same bits, for any number of threads.
 #[test]
 fn threads_change_nothing() {
