@@ -45,6 +45,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                         );
                     }
                 }
+                Findings::Continuation(found) => {
+                    println!(
+                        "{}: {} branches, {}",
+                        task.name,
+                        found.branches.len(),
+                        found.status
+                    );
+                }
                 Findings::Front(found) => {
                     for (layout, point) in found.common() {
                         println!(

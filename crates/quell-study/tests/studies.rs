@@ -46,7 +46,7 @@ fn sweep_designs<'a>(results: &'a Results, task: &str) -> Vec<(&'a f64, &'a Desi
             TaskFindings::Design { designs, .. } => {
                 (point.at.values().next().unwrap(), &designs[0])
             }
-            TaskFindings::Evaluate { .. } | TaskFindings::Front { .. } => {
+            _ => {
                 panic!("{task} is no design")
             }
         })
