@@ -54,7 +54,7 @@ pub enum OperatingError {
 }
 
 /// A second moment, at which equations that do not contain time are the same.
-const LATER: f64 = 1.618_033_988_749_895;
+const LATER: f64 = 1.7;
 /// Rounding errors of a derivative over the largest of its row, and of a rate over the terms that cancel in it.
 const ROUNDING: f64 = 1e-13;
 

@@ -58,10 +58,6 @@ fn same(test: &str, linear: &str, equations: &str, study: &str) -> Vec<Evaluated
     for (found, expected) in found.iter().zip(&expected) {
         assert!(!found.criteria.is_empty());
         for (name, value) in &found.criteria {
-            println!(
-                "{test} {name}: {value} {} ({})",
-                expected.criteria[name], found.details[name].status
-            );
             near(*value, expected.criteria[name], 1e-9);
             assert_eq!(
                 found.details[name].status, expected.details[name].status,
@@ -595,7 +591,6 @@ between = ["x", "ground"]
     {
         let found = evaluated(&format!("none-{index}"), &host(equation), study).remove(0);
         let status = &found.details["natural"].status;
-        println!("{equation}: {status}");
         assert!(found.criteria["natural"].is_nan(), "{equation}");
         assert!(status.contains(reason), "{equation}: {status}");
     }
@@ -637,7 +632,6 @@ fn landing_gear_at_rest() {
                 // |λ1|² |λ2|² is the determinant with or without a damper.
                 let squares = (criteria["heave"] * criteria["hop"]).powi(2);
                 near(squares, product, 1e-9);
-                println!("{} {lift}: {}", found.name, criteria["damping"]);
                 assert!(criteria["damping"] > 1e-3);
             }
         }

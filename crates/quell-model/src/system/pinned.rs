@@ -50,20 +50,20 @@ pub(crate) fn solve(entries: &[f64], b: &[f64]) -> Vec<f64> {
         }
         pivots.push((pivot, column));
         let (head, head_size) = (work[pivot].clone(), size[pivot].clone());
-        for i in 0..n {
-            let factor = work[i][column] / head[column];
-            if pivots.iter().any(|(row, _)| *row == i) || factor == 0.0 {
+        for (i, (row, sizes)) in work.iter_mut().zip(&mut size).enumerate() {
+            let factor = row[column] / head[column];
+            if factor == 0.0 || pivots.iter().any(|(done, _)| *done == i) {
                 continue;
             }
-            for j in 0..=n {
-                let entry = work[i][j] - factor * head[j];
-                let terms = size[i][j] + factor.abs() * head_size[j];
-                work[i][j] = if j == column || entry.abs() <= CANCELLED * terms {
-                    0.0
-                } else {
-                    entry
-                };
-                size[i][j] = terms;
+            let above = head.iter().zip(&head_size);
+            for (j, ((entry, terms), (other, others))) in
+                row.iter_mut().zip(sizes).zip(above).enumerate()
+            {
+                *terms += factor.abs() * others;
+                *entry -= factor * other;
+                if j == column || entry.abs() <= CANCELLED * *terms {
+                    *entry = 0.0;
+                }
             }
         }
     }

@@ -1,4 +1,5 @@
 //! Inputs that jump: no step goes over an edge, and none is lost.
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
