@@ -376,6 +376,12 @@ fn sweep_plots(task: &TaskSection) -> Vec<Plot> {
     } else {
         task.criteria.iter().take(task.criteria.len())
     };
+    let infeasible = |point: &SweepPoint| point.designs.first().is_some_and(|best| !best.feasible);
+    let left_out = if task.sweep.iter().any(infeasible) {
+        "; points without a feasible design are left out"
+    } else {
+        ""
+    };
     columns
         .enumerate()
         .map(|(column, criterion)| {
@@ -393,7 +399,9 @@ fn sweep_plots(task: &TaskSection) -> Vec<Plot> {
             };
             let series = if names.is_empty() {
                 vec![curve("best design", &|point| {
-                    point.designs.first().map(|design| design.objective.value)
+                    // What misses a constraint is no optimum to be compared with others.
+                    let best = point.designs.first().filter(|design| design.feasible)?;
+                    Some(best.objective.value)
                 })]
             } else {
                 names
@@ -410,7 +418,7 @@ fn sweep_plots(task: &TaskSection) -> Vec<Plot> {
                     .collect()
             };
             Plot {
-                caption: format!("{} over {}", criterion.name, swept.name),
+                caption: format!("{} over {}{left_out}", criterion.name, swept.name),
                 x: x.clone(),
                 y: Axis {
                     label: criterion.name.clone(),

@@ -1,7 +1,7 @@
 //! The front of a task with several objectives.
 
 use quell_study::study::{DesignTask, Objective};
-use quell_study::{Evaluated, FrontFindings, PointOutcome, Sense};
+use quell_study::{Evaluated, FrontFindings, PointOutcome};
 
 use super::{Bridge, shown_unit};
 use crate::page::{self, CriterionColumn};
@@ -120,17 +120,8 @@ impl Bridge<'_> {
 
 /// What a front is, how it was found and who is not on it.
 pub(super) fn front_words(findings: &FrontFindings) -> Vec<String> {
-    let better: Vec<&str> = findings
-        .objectives
-        .iter()
-        .map(|objective| match objective.sense {
-            Sense::Minimise => "smaller",
-            Sense::Maximise => "larger",
-        })
-        .collect();
     let mut words = vec![format!(
-        "No design of the front can be made better in one objective ({}) without becoming worse in another. Found by {}.",
-        better.join(", "),
+        "No design of the front can be made better in one objective without becoming worse in another. Found by {}.",
         findings.method
     )];
     let without: Vec<String> = findings

@@ -125,17 +125,20 @@ pub(super) fn remarks(
                     ": by itself it changes the objective by less than {} of it",
                     settings.agreement
                 );
-                for (side, reached) in ends {
-                    let limit = limit(side).filter(|_| reached && look.goes_on(index, side));
-                    if let Some(limit) = limit {
-                        let _ = match side {
-                            Side::Lower => write!(text, "; so does a hundredth of the lower bound"),
-                            Side::Upper => {
-                                write!(text, "; so does a hundred times the upper bound")
-                            }
-                        };
-                        let _ = write!(text, ", and behind it lies {limit}");
-                    }
+                // One limit is enough: of a value that matters nowhere, the one without the element.
+                let beyond =
+                    ends.into_iter()
+                        .filter(|(_, reached)| *reached)
+                        .find_map(|(side, _)| {
+                            let limit = limit(side)?;
+                            look.goes_on(index, side).then_some((side, limit))
+                        });
+                if let Some((side, limit)) = beyond {
+                    let _ = match side {
+                        Side::Lower => write!(text, "; so does a hundredth of the lower bound"),
+                        Side::Upper => write!(text, "; so does a hundred times the upper bound"),
+                    };
+                    let _ = write!(text, ", and behind it lies {limit}");
                 }
                 remarks.push(text);
             }
