@@ -174,12 +174,14 @@ impl<'a, P: Problem> Evaluator<'a, P> {
 
     /// Near-active pieces with gradients by the scaled coordinates; false when there are none here.
     ///
-    /// Where the problem gives none, objective and constraints are one piece each, with central differences.
+    /// Where the problem gives none but is smooth, objective and constraints are one piece each, with central differences.
     pub(crate) fn pieces(&mut self, coordinates: &[f64], pieces: &mut Pieces) -> bool {
         if !self.differences {
             match self.given_pieces(coordinates, pieces) {
                 Some(usable) => return usable,
-                None => self.differences = self.settings.difference > 0.0,
+                None => {
+                    self.differences = self.settings.difference > 0.0 && self.problem.is_smooth();
+                }
             }
         }
         self.differences && self.differenced(coordinates, pieces)
@@ -224,6 +226,9 @@ impl<'a, P: Problem> Evaluator<'a, P> {
     /// neighbour cannot be evaluated.
     fn differenced(&mut self, coordinates: &[f64], pieces: &mut Pieces) -> bool {
         let dimension = coordinates.len();
+        if dimension == 0 || self.remaining() < 2 * dimension + 1 {
+            return false;
+        }
         let count = 1 + self.constraints.len();
         let middle = self.values(coordinates);
         if !middle.iter().all(|value| value.is_finite()) {

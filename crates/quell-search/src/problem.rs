@@ -43,6 +43,13 @@ pub trait Problem: Sync {
         let _ = (point, margin, pieces, scratch);
         false
     }
+
+    /// Whether objective and constraints are smooth but for jumps here and there, so that differences may stand for the gradients
+    /// of a problem that gives no pieces. A maximum of several functions, a peak for instance, is not: it has kinks where it is
+    /// least.
+    fn is_smooth(&self) -> bool {
+        false
+    }
 }
 
 /// Near-active smooth pieces of an objective and its constraints, with gradients, at one point.

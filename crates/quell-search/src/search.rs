@@ -23,7 +23,7 @@ const POLISH: usize = 100;
 ///
 /// A start samples the box with a scrambled Sobol sequence. Where the problem gives pieces, the best
 /// [`Settings::descents`] points of the sample each go down by minimax sequential quadratic programming, sample after
-/// sample until [`Settings::effort`] is spent; where it gives none, differences over [`Settings::difference`] stand for the
+/// sample until [`Settings::effort`] is spent; where it gives none but is smooth, differences over [`Settings::difference`] stand for the
 /// gradients, and Nelder-Mead goes on where these stall (at a jump, a kink). With neither, bounded CMA-ES sets out from the
 /// best point, and Nelder-Mead finishes. Constraints follow feasibility rules (feasible beats infeasible, then the lower objective or the lower
 /// violation) in what is kept, and an exact penalty in what steps are taken.

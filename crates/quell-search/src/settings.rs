@@ -36,8 +36,8 @@ pub struct Settings {
     pub population_every: usize,
     /// The same where gradients are differences, of functions that may jump. Default 2.
     pub population_every_differenced: usize,
-    /// Step, as a part of a variable's scaled range, of the differences that stand for gradients where the problem gives
-    /// none; `0` for searches without gradients there. Default `1e-4`: integrations in time are accurate to some 1e-8.
+    /// Step, as a part of a variable's scaled range, of the differences that stand for gradients where a smooth problem
+    /// gives none; `0` for searches without gradients there. Default `1e-4`: integrations in time are accurate to some 1e-8.
     pub difference: f64,
     /// Pieces of the objective within this relative margin of the maximum are asked for. Default `0.5`.
     pub margin: f64,

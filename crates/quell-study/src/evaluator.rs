@@ -430,6 +430,13 @@ impl Evaluator {
         }
     }
 
+    /// Whether all that is read are numbers of runs in time.
+    pub(crate) fn is_in_time(&self) -> bool {
+        self.readings
+            .iter()
+            .all(|reading| matches!(reading.functional, Functional::Time(_)))
+    }
+
     /// Lets the runs in time run: beyond their ends where a criterion looks there, or where `beyond` asks for it.
     fn simulate(&self, values: &ValueScratch, beyond: bool) -> Vec<(&str, Simulated<'_>)> {
         self.transients

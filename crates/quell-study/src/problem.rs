@@ -271,6 +271,10 @@ impl Problem for DesignProblem {
         self.objective.sense.sign() * value(&self.objective)
     }
 
+    fn is_smooth(&self) -> bool {
+        self.evaluator.is_in_time()
+    }
+
     fn pieces(
         &self,
         point: &[f64],
