@@ -47,7 +47,7 @@ impl Scope for NoNames {
     }
 }
 
-impl Scope for Vec<(String, Quantity)> {
+impl Scope for [(String, Quantity)] {
     fn quantity(&self, name: &str) -> Option<Quantity> {
         self.iter()
             .find(|(known, _)| known == name)
@@ -56,6 +56,16 @@ impl Scope for Vec<(String, Quantity)> {
 
     fn names(&self) -> Vec<&str> {
         self.iter().map(|(name, _)| name.as_str()).collect()
+    }
+}
+
+impl Scope for Vec<(String, Quantity)> {
+    fn quantity(&self, name: &str) -> Option<Quantity> {
+        self.as_slice().quantity(name)
+    }
+
+    fn names(&self) -> Vec<&str> {
+        self.as_slice().names()
     }
 }
 

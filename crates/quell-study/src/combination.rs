@@ -161,12 +161,10 @@ pub(crate) fn refuse_cycles(
             let Some((name, parts)) = way.last_mut() else {
                 break;
             };
-            match parts.pop() {
-                Some(part) => next = Some(part),
-                None => {
-                    known.insert(name, 2);
-                    way.pop();
-                }
+            next = parts.pop();
+            if next.is_none() {
+                known.insert(name, 2);
+                way.pop();
             }
         }
     }

@@ -5,7 +5,6 @@ use quell_document::Fault;
 use quell_expression::Span;
 use quell_network::Layout;
 
-use crate::built::domain_of;
 use crate::candidates::{Candidate, single_slot};
 use crate::study::{ConfigurationSpec, DesignTask, Study, TaskKind};
 
@@ -42,7 +41,7 @@ impl<'a> Reference<'a> {
             return Err(fault(format!("there is no configuration `{name}`"))
             .help("where several slots are designed, a reference is a configuration of an `evaluate` task"));
         };
-        let domain = domain_of(study, slot);
+        let domain = study.domain_of(slot);
         let kinds = study
             .kinds
             .of(domain)

@@ -125,7 +125,8 @@ pub fn run(
     progress: &dyn Progress,
 ) -> Result<RunOutcome, RunError> {
     let failure = OnceLock::new();
-    recorded(study, settings, Recorder::forgetful(progress, &failure))
+    let recorder = Recorder::forgetful(progress, &failure);
+    recorded(study, settings, &recorder)
 }
 
 /// Runs a study as [`run`] does, and keeps every finished piece of work in a store. What the store holds already, from a
@@ -144,7 +145,10 @@ pub fn run_with_store(
     let (recorder, writer) = Recorder::to(store, progress, &failure);
     let outcome = std::thread::scope(|scope| {
         scope.spawn(|| writer.run());
-        recorded(study, settings, recorder)
+        let outcome = recorded(study, settings, &recorder);
+        // The writer ends when nobody can tell it anything more.
+        drop(recorder);
+        outcome
     });
     // The last units may fail after the last task has looked.
     match failure.get() {
@@ -162,7 +166,7 @@ impl From<&StoreError> for RunError {
 fn recorded(
     study: &Study,
     settings: &RunSettings,
-    recorder: Recorder<'_>,
+    recorder: &Recorder<'_>,
 ) -> Result<RunOutcome, RunError> {
     let started = Instant::now();
     let chosen = chosen_tasks(study, &settings.tasks)?;
@@ -179,7 +183,7 @@ fn recorded(
     let runner = Runner {
         study,
         settings,
-        recorder: &recorder,
+        recorder,
         evaluations: &evaluations,
         solved: Solved::default(),
     };

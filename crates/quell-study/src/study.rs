@@ -50,6 +50,15 @@ pub struct Study {
     pub report: ReportWishes,
 }
 
+impl Study {
+    /// Domain of a device's layouts.
+    pub(crate) fn domain_of(&self, slot: &Slot) -> Domain {
+        self.devices
+            .get(&slot.device)
+            .map_or(Domain::Translational, |device| device.domain)
+    }
+}
+
 /// Kinds of branch that layouts may name, for each domain in use.
 #[derive(Debug, Clone, Default)]
 pub struct Declared {

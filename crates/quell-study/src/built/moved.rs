@@ -15,6 +15,11 @@ impl Places {
     pub(crate) const fn is_empty(&self) -> bool {
         self.origins.is_empty() && self.laws.is_empty()
     }
+
+    /// The parameters of nonlinear elements among them.
+    pub(crate) fn laws(&self) -> &[usize] {
+        &self.laws
+    }
 }
 
 /// Mechanical values of all elements and parameters of all nonlinear ones, with their derivatives by what moves.
@@ -78,11 +83,6 @@ impl Built {
         found.sort_unstable();
         found.dedup();
         found
-    }
-
-    /// Which parameters of nonlinear elements a value in some places changes.
-    pub(crate) fn changed_laws<'p>(&self, places: &'p Places) -> &'p [usize] {
-        &places.laws
     }
 
     /// All values with others in some places.

@@ -218,7 +218,7 @@ pub(super) fn compiled(
 /// Parameters of the host at a point, and the statistics in a measure.
 struct At<'a> {
     readings: &'a [(String, Quantity)],
-    parameters: &'a Vec<(String, Quantity)>,
+    parameters: &'a [(String, Quantity)],
 }
 
 impl Scope for At<'_> {
@@ -238,7 +238,7 @@ impl Scope for At<'_> {
 impl Compiled {
     fn combined(
         &self,
-        parameters: &Vec<(String, Quantity)>,
+        parameters: &[(String, Quantity)],
         mut of: impl FnMut(Reading) -> f64,
     ) -> f64 {
         let readings: Vec<(String, Quantity)> = self
@@ -267,7 +267,7 @@ pub(super) fn at_equilibrium(
     measures: &[Compiled],
     field: &Field<'_>,
     signals: usize,
-    parameters: &Vec<(String, Quantity)>,
+    parameters: &[(String, Quantity)],
     at: &Equilibrium,
 ) -> Vec<f64> {
     let mut values = vec![f64::NAN; signals];
@@ -291,7 +291,7 @@ pub(super) fn on_cycle(
     measures: &[Compiled],
     field: &Field<'_>,
     signals: usize,
-    parameters: &Vec<(String, Quantity)>,
+    parameters: &[(String, Quantity)],
     orbit: &Orbit,
 ) -> Vec<f64> {
     let mut scan = Scan::new(field, signals, orbit);

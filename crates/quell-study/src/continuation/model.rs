@@ -94,7 +94,7 @@ impl Assignment for Free {
             .iter()
             .zip(&moved.elements)
             .map(|(axis, elements)| {
-                let laws = self.built.changed_laws(&axis.places);
+                let laws = axis.places.laws();
                 let mut found = Vec::new();
                 for (parameter, source) in self.sources.iter().enumerate() {
                     let weight = match source {
@@ -181,7 +181,7 @@ impl Model {
         let mut moving: Vec<usize> = Vec::new();
         for axis in &axes {
             let elements = built.changed_elements(&axis.places);
-            let laws = built.changed_laws(&axis.places);
+            let laws = axis.places.laws();
             for (parameter, source) in sources.iter().enumerate() {
                 let moves = match source {
                     Source::Host(_) => axis.host == Some(parameter),

@@ -14,7 +14,7 @@ use super::model::Model;
 use super::outcome::{
     BranchOutcome, BranchPoint, ContinuationFindings, FreeParameter, MeasureHead, SpecialPoint,
 };
-use super::solve::{Member, Solutions, points};
+use super::solve::{Member, Solutions};
 
 pub(super) struct Reporter<'a> {
     pub(super) name: &'a str,
@@ -90,7 +90,7 @@ impl Reporter<'_> {
         file: String,
         branch: &Branch<S>,
     ) -> BranchOutcome {
-        let (all, special, at) = points(branch);
+        let (all, special, at) = (&branch.points, &branch.special, &branch.at);
         let convert = |point: &Point<S>| self.point(&point.solution, point.unstable);
         BranchOutcome {
             id,
@@ -198,7 +198,7 @@ trait Solution: Sync {
     fn state(&self) -> &[f64] {
         &[]
     }
-    fn measured(&self, reporter: &Reporter<'_>, parameters: &Vec<(String, Quantity)>) -> Vec<f64>;
+    fn measured(&self, reporter: &Reporter<'_>, parameters: &[(String, Quantity)]) -> Vec<f64>;
 }
 
 impl Solution for Equilibrium {
@@ -208,7 +208,7 @@ impl Solution for Equilibrium {
     fn state(&self) -> &[f64] {
         &self.state
     }
-    fn measured(&self, reporter: &Reporter<'_>, parameters: &Vec<(String, Quantity)>) -> Vec<f64> {
+    fn measured(&self, reporter: &Reporter<'_>, parameters: &[(String, Quantity)]) -> Vec<f64> {
         let model = reporter.model;
         let signals = model.system().signals();
         measure::at_equilibrium(&model.measures, reporter.field, signals, parameters, self)
@@ -222,7 +222,7 @@ impl Solution for Orbit {
     fn period(&self) -> Option<f64> {
         Some(self.period)
     }
-    fn measured(&self, reporter: &Reporter<'_>, parameters: &Vec<(String, Quantity)>) -> Vec<f64> {
+    fn measured(&self, reporter: &Reporter<'_>, parameters: &[(String, Quantity)]) -> Vec<f64> {
         let model = reporter.model;
         let signals = model.system().signals();
         measure::on_cycle(&model.measures, reporter.field, signals, parameters, self)
@@ -239,7 +239,7 @@ impl Solution for CriticalEquilibrium {
     fn state(&self) -> &[f64] {
         &self.equilibrium.state
     }
-    fn measured(&self, reporter: &Reporter<'_>, parameters: &Vec<(String, Quantity)>) -> Vec<f64> {
+    fn measured(&self, reporter: &Reporter<'_>, parameters: &[(String, Quantity)]) -> Vec<f64> {
         self.equilibrium.measured(reporter, parameters)
     }
 }
@@ -254,7 +254,7 @@ impl Solution for CriticalOrbit {
     fn omega(&self) -> Option<f64> {
         Some(self.angle)
     }
-    fn measured(&self, reporter: &Reporter<'_>, parameters: &Vec<(String, Quantity)>) -> Vec<f64> {
+    fn measured(&self, reporter: &Reporter<'_>, parameters: &[(String, Quantity)]) -> Vec<f64> {
         self.orbit.measured(reporter, parameters)
     }
 }

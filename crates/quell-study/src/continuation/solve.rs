@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use quell_continuation::{
     Branch, ContinuationError, CriticalEquilibrium, CriticalOrbit, DiagramSettings, Equilibrium,
-    Kind, Orbit, Point, Special, cycle_curve, cycles_across, cycles_doubled, cycles_from_hopf,
+    Kind, Orbit, Special, cycle_curve, cycles_across, cycles_doubled, cycles_from_hopf,
     cycles_from_orbit, cycles_from_pair, diagram, equilibria, equilibria_across, fold_curve,
     fold_from_generalised_hopf, hopf_curve, torus_from_hopf_hopf,
 };
@@ -293,14 +293,14 @@ fn followed(
             let (parent, begin) = begin;
             let parent = format!("{task}:{parent}");
             follower
-                .from_point(before, &begin, &parent)
+                .at_point(before, &begin, &parent)
                 .map_err(|why| Fault::at(&study.source, *span, why))?
         }
         BranchStart::Equilibrium if task.follows == Follows::Diagram => follower.diagram(),
-        BranchStart::Equilibrium => follower.from_equilibrium(),
+        BranchStart::Equilibrium => follower.at_equilibrium(),
         BranchStart::Run { run, span } => {
             let samples = super::settled::samples(study, situation, spec, run, *span, model)?;
-            follower.from_samples(&samples)
+            follower.at_samples(&samples)
         }
     };
     watcher.measuring();
@@ -345,11 +345,7 @@ fn single(id: &str, parent: Option<&str>, found: Result<Solutions, ContinuationE
 }
 
 impl Follower<'_> {
-    fn two(&self) -> [usize; 2] {
-        [0, 1]
-    }
-
-    fn from_equilibrium(&self) -> Followed {
+    fn at_equilibrium(&self) -> Followed {
         let base = self.model.base();
         let state = match self.model.equilibrium(&base) {
             Ok(state) => state,
@@ -393,7 +389,7 @@ impl Follower<'_> {
         (members, "done".to_owned(), notes)
     }
 
-    fn from_samples(&self, samples: &super::settled::Settled) -> Followed {
+    fn at_samples(&self, samples: &super::settled::Settled) -> Followed {
         let base = self.model.base();
         let found = quell_continuation::cycles_from_samples(
             self.field,
@@ -479,7 +475,7 @@ impl Follower<'_> {
     }
 
     /// From a labelled point of another task; else what is wrong with it as a start.
-    fn from_point(
+    fn at_point(
         &self,
         before: &Solved,
         begin: &Begin<'_>,
@@ -582,7 +578,7 @@ impl Follower<'_> {
     fn curve(&self, before: &Solved, begin: &Begin<'_>, parent: &str) -> Result<Followed, String> {
         let settings = &self.settings;
         let field = self.field;
-        let free = self.two();
+        let free = [0, 1];
         let no_curve = |kind: Kind| {
             format!(
                 "no curve starts at a point of kind {kind}: curves start at LP, H, LPC, PD and NS points of branches, and at HH and GH points of curves"
@@ -694,9 +690,4 @@ fn moved<S, T>(point: &Special<S>, change: impl FnOnce(&S) -> T) -> Special<T> {
         error: point.error,
         after: point.after,
     }
-}
-
-/// All points of a branch: ordinary ones, special ones, those at given values.
-pub(super) fn points<S>(branch: &Branch<S>) -> (&[Point<S>], &[Special<S>], &[Point<S>]) {
-    (&branch.points, &branch.special, &branch.at)
 }

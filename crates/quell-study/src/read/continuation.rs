@@ -174,6 +174,7 @@ fn parameters(
     table: &Table<'_>,
     follows: Follows,
 ) -> Result<Vec<(String, quell_expression::Span)>, Fault> {
+    const EXAMPLE: &str = "write `parameters = [\"V\", \"c1\"]`";
     let named = |value: &Value<'_>| Ok::<_, Fault>((value.as_str()?.to_owned(), value.span()));
     if follows != Follows::Curve {
         let value = table.get("parameter").ok_or_else(|| {
@@ -186,7 +187,6 @@ fn parameters(
         })?;
         return Ok(vec![named(&value)?]);
     }
-    const EXAMPLE: &str = "write `parameters = [\"V\", \"c1\"]`";
     let value = table.get("parameters").ok_or_else(|| {
         table
             .fault("the curve does not say in which two parameters it runs")

@@ -4,7 +4,6 @@ use quell_document::{Fault, Value};
 use quell_network::{Domain, Kinds, Layout};
 
 use super::tasks::slot_of;
-use crate::built::domain_of;
 use crate::immittance::Form;
 use crate::keys;
 use crate::study::{CandidateSet, Study};
@@ -31,7 +30,7 @@ pub(super) fn declare(tasks: &Value<'_>, study: &mut Study) -> Result<(), Fault>
             let Some(slot) = slot_of(study, name, span)? else {
                 continue;
             };
-            let domain = domain_of(study, &slot);
+            let domain = study.domain_of(&slot);
             if !matches!(domain, Domain::Translational | Domain::Rotational) {
                 return Err(wanted
                     .fault(format!("a {domain} device cannot be designed as a function"))

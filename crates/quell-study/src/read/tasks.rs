@@ -9,7 +9,6 @@ use super::{
     amounts_of, continuation, devices, immittance, objectives, resolve, sweep, transient, unknown,
 };
 use crate::amount::Amount;
-use crate::built::domain_of;
 use crate::keys;
 use crate::study::{
     Bounds, CandidateSet, ConfigurationSpec, Constraint, DesignTask, Run, Sense, Slot, Study, Task,
@@ -238,7 +237,7 @@ pub(super) fn configuration_of(
         }
         match slot_of(study, key, key_span)? {
             Some(slot) => {
-                let layout = devices::layout(&value, &kinds_of(study, domain_of(study, &slot)))?;
+                let layout = devices::layout(&value, &kinds_of(study, study.domain_of(&slot)))?;
                 let taken = layouts.insert(slot, (layout, value.span()));
                 refuse_second(taken.is_some(), key, key_span, study)?;
             }
@@ -495,7 +494,7 @@ fn candidates(table: &Table<'_>, study: &Study) -> Result<IndexMap<Slot, Candida
     let mut found = IndexMap::new();
     for (name, span, value) in value.as_table()?.entries() {
         let slot = slot_of(study, name, span)?.ok_or_else(|| no_such_slot(study, name, span))?;
-        let kinds = kinds_of(study, domain_of(study, &slot));
+        let kinds = kinds_of(study, study.domain_of(&slot));
         let set = if value
             .as_table()
             .is_ok_and(|table| table.get("immittance").is_some())
