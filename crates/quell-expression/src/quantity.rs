@@ -69,6 +69,16 @@ impl Scope for Vec<(String, Quantity)> {
     }
 }
 
+impl<S: Scope + ?Sized> Scope for &S {
+    fn quantity(&self, name: &str) -> Option<Quantity> {
+        (**self).quantity(name)
+    }
+
+    fn names(&self) -> Vec<&str> {
+        (**self).names()
+    }
+}
+
 impl<S: std::hash::BuildHasher> Scope for std::collections::HashMap<String, Quantity, S> {
     fn quantity(&self, name: &str) -> Option<Quantity> {
         self.get(name).copied()

@@ -44,27 +44,24 @@ fn check(system: &System, values: &[f64], t: f64, x: &[f64]) {
             .slope(&slopes, which, t, x, &mut exact);
         let mut many = vec![[f64::NAN; LANES]; n];
         batch.slope(&slopes, which, &[t; LANES], &lanes, &mut many);
-        let difference: Vec<f64> = match values.get(which) {
-            Some(value) => {
-                let h = 1e-5 * value.abs().max(1e-3);
-                let [plus, minus] = [h, -h].map(|h| {
-                    let mut moved = values.to_vec();
-                    moved[which] += h;
-                    rates(&moved, t)
-                });
-                plus.iter()
-                    .zip(minus)
-                    .map(|(p, m)| (p - m) / (2.0 * h))
-                    .collect()
-            }
-            None => {
-                let h = 1e-5;
-                let (plus, minus) = (rates(values, t + h), rates(values, t - h));
-                plus.iter()
-                    .zip(minus)
-                    .map(|(p, m)| (p - m) / (2.0 * h))
-                    .collect()
-            }
+        let difference: Vec<f64> = if let Some(value) = values.get(which) {
+            let h = 1e-5 * value.abs().max(1e-3);
+            let [plus, minus] = [h, -h].map(|h| {
+                let mut moved = values.to_vec();
+                moved[which] += h;
+                rates(&moved, t)
+            });
+            plus.iter()
+                .zip(minus)
+                .map(|(p, m)| (p - m) / (2.0 * h))
+                .collect()
+        } else {
+            let h = 1e-5;
+            let (plus, minus) = (rates(values, t + h), rates(values, t - h));
+            plus.iter()
+                .zip(minus)
+                .map(|(p, m)| (p - m) / (2.0 * h))
+                .collect()
         };
         let scale = rates(values, t)
             .iter()

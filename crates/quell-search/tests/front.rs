@@ -1,5 +1,9 @@
 //! Fronts against closed forms.
 #![allow(missing_docs, reason = "a test binary")]
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test whose problem is wrong has failed"
+)]
 
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -259,7 +259,7 @@ mod tests {
                     .map(|variable| value(variable.name.split('.').nth(1).unwrap()))
                     .collect();
                 let mut elements = vec![0.0; expansion.network().elements().len()];
-                let mut workspace = Default::default();
+                let mut workspace = quell_network::ExpansionWorkspace::default();
                 expansion.values(&values, &mut workspace, &mut elements);
                 let admittance = expansion.network().admittance(&elements);
                 for omega in [0.3, 20.0, 90.0, 4e3] {

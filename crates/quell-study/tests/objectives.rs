@@ -5,7 +5,11 @@
 //! J1 = 1/(4 zeta omega^3) for the relative displacement and J2 = omega (1 + 4 zeta^2)/(4 zeta) for the absolute
 //! acceleration. For a given J1 the least J2 has zeta = 1/sqrt(2), hence J1 J2^3 = 27/64 along the front.
 #![allow(missing_docs, reason = "a test binary")]
-#![expect(clippy::unwrap_used, reason = "a test whose study is wrong has failed")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test whose study is wrong has failed"
+)]
 
 use std::fs;
 

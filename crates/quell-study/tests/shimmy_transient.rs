@@ -62,7 +62,7 @@ fn check(found: &Evaluated, row: Row) {
     let of = |criterion: &str| found.criteria[&format!("{input}_{criterion}")];
     let mut wrong = Vec::new();
     let mut compare = |what: &str, value: f64, expected: f64, tolerance: f64| {
-        if !((value - expected).abs() <= tolerance) {
+        if value.is_nan() || (value - expected).abs() > tolerance {
             wrong.push(format!("{what} {value:.5}, expected {expected}"));
         }
     };

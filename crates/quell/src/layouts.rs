@@ -1,5 +1,6 @@
 //! `quell layouts`: list or count the layouts of a budget.
 
+use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write};
 
 use quell_network::{Budget, CATALOGUE, Domain, Element, Enumeration, Equivalence, Kinds};
@@ -83,16 +84,16 @@ fn catalogue() -> String {
             .map(String::len)
             .filter(|length| *length < 40),
     );
-    CATALOGUE
-        .iter()
-        .zip(&layouts)
-        .map(|(entry, layout)| {
-            format!(
-                "{:names$}  {layout:wide$}  {} ({})\n",
-                entry.name, entry.title, entry.source
-            )
-        })
-        .collect()
+    let mut text = String::new();
+    for (entry, layout) in CATALOGUE.iter().zip(&layouts) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{:names$}  {layout:wide$}  {} ({})",
+            entry.name, entry.title, entry.source
+        );
+    }
+    text
 }
 
 fn enumeration(options: &LayoutOptions) -> Result<Enumeration, Exit> {

@@ -9,7 +9,7 @@ use quell_study::Progress;
 
 /// The bar of one run.
 pub(crate) struct Bar {
-    bar: Mutex<ProgressBar>,
+    drawn: Mutex<ProgressBar>,
     shown: bool,
     restored: AtomicU64,
 }
@@ -17,7 +17,7 @@ pub(crate) struct Bar {
 impl Bar {
     pub(crate) fn new() -> Self {
         Self {
-            bar: Mutex::new(ProgressBar::hidden()),
+            drawn: Mutex::new(ProgressBar::hidden()),
             shown: std::io::stderr().is_terminal(),
             restored: AtomicU64::new(0),
         }
@@ -26,7 +26,7 @@ impl Bar {
     fn with(&self, act: impl FnOnce(&ProgressBar)) {
         // A poisoned lock only means that another thread panicked while drawing.
         let bar = self
-            .bar
+            .drawn
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
         act(&bar);
@@ -52,7 +52,7 @@ impl Progress for Bar {
                 .with_style(style)
                 .with_prefix(task.to_owned());
         let mut bar = self
-            .bar
+            .drawn
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
         bar.finish_and_clear();

@@ -50,13 +50,13 @@ impl Layout {
 /// A displacement or a rate at the start: a plain number is SI, also for a rotation, which is no frequency.
 pub(crate) fn motion(
     value: &Value<'_>,
-    parameters: &Vec<(String, Quantity)>,
+    parameters: &[(String, Quantity)],
     dimension: Dimension,
 ) -> Result<f64, Fault> {
     if value.is_number() {
         return value.as_f64();
     }
-    Ok(value.quantity(parameters, Some(dimension))?.value)
+    Ok(value.quantity(&parameters, Some(dimension))?.value)
 }
 
 fn kind_of(table: &Table<'_>, key: &str) -> Result<CoordinateKind, Fault> {
@@ -73,7 +73,7 @@ pub(super) fn layout(
     coordinates: &Table<'_>,
     inputs: Option<&Table<'_>>,
     linear: &Table<'_>,
-    parameters: &Vec<(String, Quantity)>,
+    parameters: &[(String, Quantity)],
     names: &mut Names,
 ) -> Result<Layout, Fault> {
     let mut rows = Vec::new();
@@ -105,7 +105,7 @@ pub(super) fn layout(
         let [_, _, dimension] = kind.element_dimensions();
         let mut inertia = 0.0;
         if let Some(value) = table.get(own) {
-            inertia = value.quantity(parameters, Some(dimension))?.value;
+            inertia = value.quantity(&parameters, Some(dimension))?.value;
             if inertia < 0.0 {
                 return Err(value.fault(format!("the {own} of `{name}` must not be negative")));
             }

@@ -233,12 +233,12 @@ pub(super) fn carried(coordinates: &[f64], base: &Base) -> f64 {
 
 /// A quantity that must not be negative.
 pub(super) fn amount(
-    parameters: &Vec<(String, quell_expression::Quantity)>,
+    parameters: &[(String, quell_expression::Quantity)],
     value: &Value<'_>,
     dimension: Dimension,
     what: &str,
 ) -> Result<f64, Fault> {
-    let quantity = value.quantity(parameters, Some(dimension))?.value;
+    let quantity = value.quantity(&parameters, Some(dimension))?.value;
     if quantity < 0.0 {
         return Err(value
             .fault(format!("a {what} must not be negative"))
@@ -306,14 +306,14 @@ pub(super) fn direction(
 
 /// A coefficient of a dimension in which rad does not count.
 pub(super) fn ratio(
-    parameters: &Vec<(String, quell_expression::Quantity)>,
+    parameters: &[(String, quell_expression::Quantity)],
     value: &Value<'_>,
     dimension: Dimension,
 ) -> Result<f64, Fault> {
     if value.is_number() {
         return value.as_f64();
     }
-    let quantity = value.quantity(parameters, None)?;
+    let quantity = value.quantity(&parameters, None)?;
     if quantity.dimension.without_angle() == dimension.without_angle() {
         return Ok(quantity.value);
     }

@@ -25,7 +25,7 @@ pub(super) struct Given {
 pub(super) fn read(
     value: &Value<'_>,
     layout: &Layout,
-    parameters: &Vec<(String, Quantity)>,
+    parameters: &[(String, Quantity)],
     folder: &Path,
 ) -> Result<Given, Fault> {
     let table = value.as_table()?;
@@ -72,7 +72,7 @@ fn matrix(
     times: i16,
     value: &Value<'_>,
     layout: &Layout,
-    parameters: &Vec<(String, Quantity)>,
+    parameters: &[(String, Quantity)],
     folder: &Path,
 ) -> Result<Mat<f64>, Fault> {
     let matrix = if value.is_text() {
@@ -102,7 +102,7 @@ fn inline(
     times: i16,
     value: &Value<'_>,
     layout: &Layout,
-    parameters: &Vec<(String, Quantity)>,
+    parameters: &[(String, Quantity)],
 ) -> Result<Mat<f64>, Fault> {
     let rows = value.as_array()?;
     let columns = match rows.first() {

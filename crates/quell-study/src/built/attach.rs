@@ -95,7 +95,7 @@ fn linear_stand_in(layout: &Layout) -> Option<Layout> {
     Layout::from_tree(layout.domain(), stand_in)
 }
 
-impl<'a> Builder<'a> {
+impl Builder<'_> {
     /// The networks on their ports.
     ///
     /// # Errors
