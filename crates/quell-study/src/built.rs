@@ -29,6 +29,15 @@ pub(crate) use moved::Places;
 use assign::Builder;
 use attach::{Attachment, assembly};
 
+/// What a candidate was built of, for building it again elsewhere.
+#[derive(Debug)]
+struct Recipe {
+    candidate: Candidate,
+    given: IndexMap<String, Amount>,
+    bounds: IndexMap<String, Bounds>,
+    searched: bool,
+}
+
 /// Where values come from.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Values<'a> {
@@ -66,6 +75,8 @@ struct LawValue {
     attachment: usize,
     /// `gas.n`.
     name: String,
+    /// Names under which something may be said of it, the most particular first.
+    keys: Vec<String>,
     dimension: Dimension,
     origin: Origin,
     /// Whether it is other than the default.
@@ -84,7 +95,10 @@ pub(crate) struct Built {
     attachments: Vec<Attachment>,
     /// Of every variable of every network.
     origins: Vec<Origin>,
+    /// Of every one of them, names under which something may be said of it, the most particular first.
+    names: Vec<Vec<String>>,
     laws: Vec<LawValue>,
+    recipe: Arc<Recipe>,
 }
 
 /// Buffers of [`Built::values`].
@@ -97,6 +111,21 @@ pub(crate) struct ValueScratch {
     pub mechanical: Vec<f64>,
     /// Parameters of all nonlinear elements, SI.
     pub laws: Vec<f64>,
+}
+
+/// Values of another scratch, each times its factor; factors that are left out are 1.
+fn times(of: &ValueScratch, factors: &[f64], scratch: &mut ValueScratch) {
+    let mut factors = factors.iter().copied().chain(std::iter::repeat(1.0));
+    scratch.all.clear();
+    let all = of.all.iter().zip(factors.by_ref());
+    scratch
+        .all
+        .extend(all.map(|(value, factor)| value * factor));
+    scratch.laws.clear();
+    let laws = of.laws.iter().zip(factors);
+    scratch
+        .laws
+        .extend(laws.map(|(value, factor)| value * factor));
 }
 
 impl Built {
@@ -117,6 +146,7 @@ impl Built {
             used: HashSet::new(),
             variables: Vec::new(),
             origins: Vec::new(),
+            names: Vec::new(),
             laws: Vec::new(),
         };
         let attachments = builder.attach(candidate)?;
@@ -137,8 +167,36 @@ impl Built {
             used: builder.used,
             attachments,
             origins: builder.origins,
+            names: builder.names,
             laws: builder.laws,
+            recipe: Arc::new(Recipe {
+                candidate: candidate.clone(),
+                given: values.given.clone(),
+                bounds: values.bounds.clone(),
+                searched: values.searched,
+            }),
         })
+    }
+
+    /// The same candidate at other parameters of the host.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(crate) fn elsewhere(&self, study: &Study, situation: &Situation) -> Result<Self, Fault> {
+        let recipe = &self.recipe;
+        let values = Values {
+            given: &recipe.given,
+            bounds: &recipe.bounds,
+            searched: recipe.searched,
+        };
+        Self::new(study, situation, &recipe.candidate, values)
+    }
+
+    /// For each value of the devices, those of nonlinear elements last, the names under which something may be said of
+    /// it, the most particular first; none for what is no value.
+    pub(crate) fn value_keys(&self) -> impl Iterator<Item = &[String]> {
+        let laws = self.laws.iter().map(|law| law.keys.as_slice());
+        self.names.iter().map(Vec::as_slice).chain(laws)
     }
 
     /// Number of elements of all devices.
@@ -257,6 +315,22 @@ impl Built {
     /// Mechanical values of all elements for values of the design variables, into `scratch.mechanical`.
     pub(crate) fn values(&self, point: &[f64], scratch: &mut ValueScratch) {
         self.spread(point, scratch);
+        self.expand(scratch);
+    }
+
+    /// As [`Self::values`], of the values that `of` has for this candidate elsewhere, each times a factor.
+    pub(crate) fn values_times(
+        &self,
+        of: &ValueScratch,
+        factors: &[f64],
+        scratch: &mut ValueScratch,
+    ) {
+        times(of, factors, scratch);
+        scratch.mechanical.resize(self.element_count(), f64::NAN);
+        self.expand(scratch);
+    }
+
+    fn expand(&self, scratch: &mut ValueScratch) {
         for attachment in &self.attachments {
             let variables = scratch
                 .all
@@ -275,6 +349,30 @@ impl Built {
     /// As [`Self::values`], and prepares [`Self::chain`].
     pub(crate) fn values_with_derivatives(&self, point: &[f64], scratch: &mut ValueScratch) {
         self.spread(point, scratch);
+        self.expand_with_derivatives(scratch);
+    }
+
+    /// As [`Self::values_times`], and prepares [`Self::chain`] for the gradient by the values before the factors.
+    pub(crate) fn derivatives_times(
+        &self,
+        of: &ValueScratch,
+        factors: &[f64],
+        scratch: &mut ValueScratch,
+    ) {
+        times(of, factors, scratch);
+        scratch.mechanical.resize(self.element_count(), f64::NAN);
+        self.expand_with_derivatives(scratch);
+        let mut derivatives = scratch.derivatives.iter_mut();
+        for attachment in &self.attachments {
+            let entries = attachment.expansion.entries().iter();
+            for ((_, variable), derivative) in entries.zip(derivatives.by_ref()) {
+                let factor = factors.get(attachment.variables.start + variable);
+                *derivative *= factor.copied().unwrap_or(1.0);
+            }
+        }
+    }
+
+    fn expand_with_derivatives(&self, scratch: &mut ValueScratch) {
         let entries = self
             .attachments
             .iter()

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 use quell_document::{Fault, Source};
 use quell_expression::{
-    Dimension, Expression, ExpressionError, Quantity, Scope, Tape, TapeBuilder,
+    Dimension, Expression, ExpressionError, Node, Quantity, Scope, Tape, TapeBuilder,
 };
 
 use crate::study::Criterion;
@@ -19,6 +19,9 @@ pub(crate) struct Combination {
     pub tape: Tape,
     /// The dimension of the whole.
     pub dimension: Dimension,
+    /// Where the whole is the largest of terms that take one criterion each (or one such term): the criterion of each, by
+    /// place among the parts, and the term. Empty otherwise.
+    pub terms: Vec<(usize, Tape)>,
 }
 
 impl Combination {
@@ -43,12 +46,36 @@ impl Combination {
         };
         let dimension = value.evaluate(&scope)?.dimension;
         let inputs: Vec<String> = parts.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let alternatives = match &value.node {
+            Node::Call {
+                function,
+                arguments,
+                ..
+            } if function == "max" => arguments.iter().collect(),
+            _ => vec![value],
+        };
+        let mut terms = Vec::new();
+        for alternative in alternatives {
+            let names = alternative.names();
+            let mut own = inputs.iter().enumerate();
+            let mut own = own
+                .by_ref()
+                .filter(|(_, name)| names.contains(&name.as_str()));
+            let (Some((place, name)), None) = (own.next(), own.next()) else {
+                terms.clear();
+                break;
+            };
+            let mut builder = TapeBuilder::new(std::slice::from_ref(name));
+            builder.add(alternative, constants)?;
+            terms.push((place, builder.build()));
+        }
         let mut builder = TapeBuilder::new(&inputs);
         builder.add(value, constants)?;
         Ok(Self {
             parts: inputs,
             tape: builder.build(),
             dimension,
+            terms,
         })
     }
 }
@@ -90,10 +117,12 @@ pub(crate) fn parts<'a>(
         .collect()
 }
 
-/// Names with all criteria that they are made of, each after what it is made of.
+/// Names with all criteria that they are made of, each after what it is made of; one that is taken over several points
+/// has its parts there, unless it is `within`.
 pub(crate) fn with_parts<'a>(
     names: impl Iterator<Item = &'a str>,
     criteria: &'a IndexMap<String, Criterion>,
+    within: Option<&str>,
 ) -> Vec<&'a str> {
     let mut found: Vec<&str> = Vec::new();
     let mut waiting: Vec<(&str, bool)> = names.map(|name| (name, false)).collect();
@@ -107,7 +136,9 @@ pub(crate) fn with_parts<'a>(
             continue;
         }
         waiting.push((name, true));
-        if let Some(criterion) = criteria.get(name) {
+        let elsewhere =
+            |criterion: &&Criterion| criterion.variation.is_some() && within != Some(name);
+        if let Some(criterion) = criteria.get(name).filter(|found| !elsewhere(found)) {
             let parts = parts(criterion, criteria);
             waiting.extend(parts.into_iter().rev().map(|part| (part, false)));
         }

@@ -2,6 +2,7 @@
 
 mod reading;
 mod run;
+mod variation;
 
 use std::sync::Arc;
 
@@ -17,11 +18,13 @@ use crate::criteria::{Functional, RunContext, RunKind, compile, functional_name}
 use crate::linear::{Linear, LinearisedPlan, Output};
 use crate::results::{CriterionDetail, Ledger};
 use crate::situation::Situation;
-use crate::study::{Criterion, Run, Study};
+use crate::store::KeyBuilder;
+use crate::study::{Criterion, Run, Study, Variation};
 use crate::transient::{
     self, History, Observation, Simulated, TransientPlan, ValuePlaces, Watching,
 };
 use reading::{Known, Reading};
+use variation::{Varied, VariedScratch};
 
 pub(crate) use run::prepare;
 
@@ -42,7 +45,14 @@ enum Inputs {
     /// Its readings, in order.
     Readings,
     /// The values of other criteria, which stand before it.
-    Criteria(Vec<usize>),
+    Criteria {
+        /// Which, in order.
+        parts: Vec<usize>,
+        /// Where it is the largest of terms of one criterion each: which, and the term.
+        terms: Vec<(usize, Tape)>,
+    },
+    /// Itself at several points, by index; and the names in its expression.
+    Varied(usize, Vec<String>),
 }
 
 /// All criteria of one candidate.
@@ -55,6 +65,8 @@ pub(crate) struct Evaluator {
     transients: Vec<(String, TransientPlan)>,
     /// Linear runs of systems of equations by name.
     linearised: Vec<(String, LinearisedPlan)>,
+    /// Criteria that are taken at several points.
+    varied: Vec<Varied>,
 }
 
 /// The operating points of the linear runs of a candidate by name, or why there is none.
@@ -71,6 +83,7 @@ pub(crate) struct EvaluatorScratch {
     work: Vec<f64>,
     jacobian: Vec<f64>,
     pieces: Vec<Piece>,
+    varied: Option<Box<VariedScratch>>,
 }
 
 /// A criterion's value with what is known about it.
@@ -82,8 +95,37 @@ pub(crate) struct Certified {
     pub detail: CriterionDetail,
 }
 
-/// Frequencies (rad/s) at which a certificate found more than the search's grid did, by reading.
-pub(crate) type Missed = Vec<(usize, f64)>;
+/// A frequency at which a certificate found more than the search's grid did.
+#[derive(Debug, Clone)]
+pub(crate) struct Miss {
+    /// Where the reading stands: of each criterion that is taken at several points, its number and that of the point.
+    path: Vec<(usize, usize)>,
+    reading: usize,
+    /// rad/s.
+    omega: f64,
+}
+
+impl Miss {
+    /// Seen from the criterion that is taken at several points.
+    fn under(mut self, varied: usize, place: usize) -> Self {
+        self.path.insert(0, (varied, place));
+        self
+    }
+
+    /// Everything that it says.
+    pub(crate) fn key(&self, key: KeyBuilder) -> KeyBuilder {
+        let path = self.path.iter().flat_map(|(varied, place)| [varied, place]);
+        path.chain([&self.reading])
+            .fold(key, |key, number| key.count(*number as u64))
+            .number(self.omega)
+    }
+}
+
+/// What certificates found.
+pub(crate) type Missed = Vec<Miss>;
+
+/// Takes a smooth piece: its value, and what fills its gradient.
+type Push<'a> = dyn FnMut(f64, &mut dyn FnMut(&mut [f64])) + 'a;
 
 /// A response that can be drawn.
 pub(crate) struct Drawable<'a> {
@@ -160,7 +202,20 @@ impl Evaluator {
         only: Option<&[&str]>,
         runs: &IndexMap<String, Run>,
     ) -> Result<Self, Fault> {
+        Self::within(study, situation, built, only, runs, None)
+    }
+
+    /// As [`Self::new`], but the criterion `within` at one of the points over which it is taken.
+    fn within(
+        study: &Study,
+        situation: &Situation,
+        built: Arc<Built>,
+        only: Option<&[&str]>,
+        runs: &IndexMap<String, Run>,
+        within: Option<&str>,
+    ) -> Result<Self, Fault> {
         let mut evaluator = Self {
+            varied: Vec::new(),
             built,
             readings: Vec::new(),
             programs: Vec::new(),
@@ -172,15 +227,16 @@ impl Evaluator {
             .keys()
             .map(String::as_str)
             .filter(|name| only.is_none_or(|only| only.contains(name)));
-        let chosen: Vec<(&str, &Criterion)> = with_parts(wanted, &study.criteria)
+        let chosen: Vec<(&str, &Criterion)> = with_parts(wanted, &study.criteria, within)
             .into_iter()
             .filter_map(|name| Some((name, study.criteria.get(name)?)))
             .collect();
         let run_of = |name: &str| runs.get(name).or_else(|| study.runs.get(name));
         // Signals are gathered while criteria are read; then each run of equations is compiled once.
         let mut of_equations: Vec<(&String, &Run)> = Vec::new();
-        for (_, criterion) in &chosen {
-            if let Some(name) = &criterion.run
+        for (chosen, criterion) in &chosen {
+            if variation_of(chosen, criterion, within).is_none()
+                && let Some(name) = &criterion.run
                 && let Some(run) = run_of(name)
                 && (matches!(run, Run::Transient(_)) || evaluator.built.assembly.is_none())
                 && !of_equations.iter().any(|(known, _)| *known == name)
@@ -207,6 +263,11 @@ impl Evaluator {
             .map(|((name, _), host)| (*name, Watching::new(host, &devices)))
             .collect();
         for (name, criterion) in &chosen {
+            if let Some(variation) = variation_of(name, criterion, within) {
+                let varied = (*name, *criterion, variation);
+                evaluator.vary(study, situation, varied, runs)?;
+                continue;
+            }
             let Some(run) = &criterion.run else {
                 evaluator.combine(study, situation, (name, criterion))?;
                 continue;
@@ -362,13 +423,40 @@ impl Evaluator {
             .collect();
         readings.sort_unstable();
         readings.dedup();
+        let terms = found.terms.into_iter();
+        let terms = terms
+            .filter_map(|(place, tape)| Some((*parts.get(place)?, tape)))
+            .collect();
         self.programs.push(Program {
             name: name.to_owned(),
             dimension: found.dimension,
             readings,
-            inputs: Inputs::Criteria(parts),
+            inputs: Inputs::Criteria { parts, terms },
             tape: found.tape,
         });
+        Ok(())
+    }
+
+    /// Adds a criterion that is taken at several points.
+    fn vary(
+        &mut self,
+        study: &Study,
+        situation: &Situation,
+        (name, criterion, variation): (&str, &Criterion, &Variation),
+        runs: &IndexMap<String, Run>,
+    ) -> Result<(), Fault> {
+        let varied = Varied::new(study, situation, self, (name, criterion, variation), runs)?;
+        // Constants and units are the same wherever the host's parameters stand.
+        refuse_unit(study, name, criterion, varied.dimension, RunKind::Transient)?;
+        let names = criterion.value.names().into_iter().map(str::to_owned);
+        self.programs.push(Program {
+            name: name.to_owned(),
+            dimension: varied.dimension,
+            readings: Vec::new(),
+            inputs: Inputs::Varied(self.varied.len(), names.collect()),
+            tape: TapeBuilder::new(&[]).build(),
+        });
+        self.varied.push(varied);
         Ok(())
     }
 
@@ -418,12 +506,19 @@ impl Evaluator {
             }
         }
         for (index, program) in self.programs.iter().enumerate() {
-            let value = program.value(
-                &scratch.readings,
-                out,
-                &mut scratch.inputs,
-                &mut scratch.work,
-            );
+            let value = if let Inputs::Varied(varied, _) = &program.inputs {
+                let inner = scratch.varied.get_or_insert_default();
+                self.varied
+                    .get(*varied)
+                    .map_or(f64::NAN, |varied| varied.fast(&scratch.values, inner))
+            } else {
+                program.value(
+                    &scratch.readings,
+                    out,
+                    &mut scratch.inputs,
+                    &mut scratch.work,
+                )
+            };
             if let Some(entry) = out.get_mut(index) {
                 *entry = value;
             }
@@ -435,6 +530,7 @@ impl Evaluator {
         self.readings
             .iter()
             .all(|reading| matches!(reading.functional, Functional::Time(_)))
+            && self.varied.iter().all(Varied::is_in_time)
     }
 
     /// Lets the runs in time run: beyond their ends where a criterion looks there, or where `beyond` asks for it.
@@ -534,11 +630,38 @@ impl Evaluator {
         factor: f64,
         margin: f64,
         scratch: &mut EvaluatorScratch,
-        mut push: impl FnMut(f64, &mut dyn FnMut(&mut [f64])),
+        push: &mut Push<'_>,
     ) -> bool {
         let Some(program) = self.programs.get(criterion) else {
             return false;
         };
+        if let Inputs::Varied(varied, _) = &program.inputs {
+            let Some(varied) = self.varied.get(*varied) else {
+                return false;
+            };
+            let inner = scratch.varied.get_or_insert_default();
+            return varied.pieces(&scratch.values, factor, margin, inner, push);
+        }
+        if let Inputs::Criteria { terms, .. } = &program.inputs {
+            let mut sound = !terms.is_empty();
+            let (mut work, mut slope) = (Vec::new(), [f64::NAN]);
+            for (part, term) in terms {
+                sound &= self.pieces(*part, 1.0, margin, scratch, &mut |value, fill| {
+                    let mut changed = [f64::NAN];
+                    term.jacobian(&[value], &mut work, &mut changed, &mut slope);
+                    let slope = factor * slope[0];
+                    // A decreasing function of a maximum is no maximum of its pieces.
+                    sound &= slope >= 0.0;
+                    push(factor * changed[0], &mut |gradient| {
+                        fill(gradient);
+                        for entry in gradient {
+                            *entry *= slope;
+                        }
+                    });
+                });
+            }
+            return sound;
+        }
         let ([only], Inputs::Readings) = (program.readings.as_slice(), &program.inputs) else {
             return false;
         };
@@ -619,7 +742,11 @@ impl Evaluator {
             if let (Some(plan), Some(omega)) = (&reading.plan, known.omega) {
                 let fast = plan.peak(&values, &mut scratch.response).value;
                 if value > fast * (1.0 + reading.tolerance) || fast.is_nan() {
-                    missed.push((index, omega));
+                    missed.push(Miss {
+                        path: Vec::new(),
+                        reading: index,
+                        omega,
+                    });
                 }
             }
             numbers.push(value);
@@ -630,6 +757,15 @@ impl Evaluator {
             .programs
             .iter()
             .map(|program| {
+                if let Inputs::Varied(index, _) = &program.inputs
+                    && let Some(varied) = self.varied.get(*index)
+                {
+                    let inner = scratch.varied.get_or_insert_default();
+                    let (found, further) = varied.certified(&scratch.values, inner, *index);
+                    values.push(found.value);
+                    missed.extend(further);
+                    return found;
+                }
                 let value =
                     program.value(&numbers, &values, &mut scratch.inputs, &mut scratch.work);
                 values.push(value);
@@ -658,6 +794,7 @@ impl Evaluator {
                             .iter()
                             .map(|known| known.tolerance)
                             .try_fold(0.0, |worst: f64, one| Some(worst.max(one?))),
+                        taken: None,
                         status: worst
                             .map_or_else(|| "certified".to_owned(), |known| known.status.clone()),
                     },
@@ -671,15 +808,25 @@ impl Evaluator {
     ///
     /// # Errors
     /// Where the host is singular there.
-    pub(crate) fn add_frequencies(&mut self, missed: &Missed) -> Result<(), Fault> {
-        for (index, omega) in missed {
+    pub(crate) fn add_frequencies(&mut self, missed: &[Miss]) -> Result<(), Fault> {
+        for miss in missed {
+            if let Some(((varied, place), rest)) = miss.path.split_first() {
+                let inner = Miss {
+                    path: rest.to_vec(),
+                    ..*miss
+                };
+                if let Some(varied) = self.varied.get_mut(*varied) {
+                    varied.add_frequencies(*place, &inner)?;
+                }
+                continue;
+            }
             if let Some(plan) = self
                 .readings
-                .get_mut(*index)
+                .get_mut(miss.reading)
                 .and_then(|reading| reading.plan.as_mut())
             {
                 // The peak itself and its flanks, so that refinement starts on its own slope.
-                let around = [0.995, 0.999, 1.0, 1.001, 1.005].map(|factor| factor * omega);
+                let around = [0.995, 0.999, 1.0, 1.001, 1.005].map(|factor| factor * miss.omega);
                 plan.add_frequencies(&around)
                     .map_err(|error| Fault::new(error.to_string()))?;
             }
@@ -687,13 +834,24 @@ impl Evaluator {
         Ok(())
     }
 
+    /// The readings of a criterion at the values as they are meant.
+    fn shown<'a>(&'a self, program: &'a Program) -> impl Iterator<Item = usize> + 'a {
+        let named: &[String] = match &program.inputs {
+            Inputs::Varied(_, names) => names,
+            _ => &[],
+        };
+        let parts = named
+            .iter()
+            .filter_map(|name| self.programs.get(self.index(name)?))
+            .flat_map(|program| &program.readings);
+        program.readings.iter().chain(parts).copied()
+    }
+
     /// SI dimension of the response (output over input) that [`Self::drawable`] gives.
     pub(crate) fn response_dimension(&self, criterion: usize) -> Dimension {
         let reading = self.programs.get(criterion).and_then(|program| {
-            program
-                .readings
-                .iter()
-                .find_map(|index| self.readings.get(*index))
+            self.shown(program)
+                .find_map(|index| self.readings.get(index))
         });
         reading.map_or(Dimension::NONE, |reading| reading.response)
     }
@@ -701,8 +859,8 @@ impl Evaluator {
     /// The first response that a criterion reads, if it reads one, for plots.
     pub(crate) fn drawable(&self, criterion: usize) -> Option<Drawable<'_>> {
         let program = self.programs.get(criterion)?;
-        program.readings.iter().find_map(|index| {
-            let reading = self.readings.get(*index)?;
+        self.shown(program).find_map(|index| {
+            let reading = self.readings.get(index)?;
             match &reading.functional {
                 Functional::Peak(output)
                 | Functional::Norm(output, _)
@@ -716,6 +874,18 @@ impl Evaluator {
             }
         })
     }
+}
+
+/// What a criterion is taken over, unless it is looked at at one point of that.
+fn variation_of<'a>(
+    name: &str,
+    criterion: &'a Criterion,
+    within: Option<&str>,
+) -> Option<&'a Variation> {
+    criterion
+        .variation
+        .as_ref()
+        .filter(|_| within != Some(name))
 }
 
 /// The dimension of output over input of the norm in a criterion.
@@ -778,7 +948,8 @@ impl Program {
     ) -> f64 {
         let (places, values) = match &self.inputs {
             Inputs::Readings => (&self.readings, readings),
-            Inputs::Criteria(parts) => (parts, criteria),
+            Inputs::Criteria { parts, .. } => (parts, criteria),
+            Inputs::Varied(..) => return f64::NAN,
         };
         inputs.clear();
         inputs.extend(

@@ -3,11 +3,17 @@
 use quell_document::{Key, KeySet, Shape};
 use quell_model::host::keys::SIGNAL;
 
+use crate::study::Statistic;
+
 const TEXTS: Shape = Shape::List(&Shape::Text);
 const CRITERIA: Shape = Shape::AnyOf(&[Shape::Text, TEXTS]);
 const AMOUNTS: Shape = Shape::MapOf(&Shape::Amount);
 const COUNTS: Shape = Shape::MapOf(&Shape::Integer);
 const BOUNDS: Shape = Shape::AnyOf(&[Shape::List(&Shape::Amount), Shape::Table(&BOUNDS_TABLE)]);
+const SWEPT: Shape = Shape::MapOf(&Shape::AnyOf(&[
+    Shape::Table(&SWEEP),
+    Shape::List(&Shape::Amount),
+]));
 const DOMAINS: Shape = Shape::Choice(&["translational", "rotational", "electrical", "hydraulic"]);
 static SIGNALS: Shape = Shape::Table(&SIGNAL);
 const SCALES: Shape = Shape::Choice(&["linear", "log"]);
@@ -313,6 +319,21 @@ pub const CRITERION: KeySet = KeySet {
             Shape::Number,
             "Relative tolerance of the value; 1e-4 unless given.",
         ),
+        Key::optional(
+            "over",
+            SWEPT,
+            "Values of host parameters at which the criterion is taken: `{ ms = [\"200 kg\", \"350 kg\"] }`; several give every combination. A device is the same at all of them. `take` says which number of these counts.",
+        ),
+        Key::optional(
+            "tolerances",
+            Shape::AnyOf(&[Shape::Amount, AMOUNTS]),
+            "How far values of devices may be from what they are meant to be, relative and both ways: `\"10 %\"` for all, or by name as in `bounds`: `{ k = \"5 %\", c = \"20 %\" }`. The criterion is taken at the values as meant and at every corner of their tolerances (2^n for n values; 10 at most); a report also looks at 32 points between.",
+        ),
+        Key::optional(
+            "take",
+            Shape::Choice(&Statistic::NAMES),
+            "With `over` or `tolerances`: the `largest` of the numbers (unless given), the `smallest`, their `mean`, or their `spread`, largest less smallest.",
+        ),
     ],
     others: None,
 };
@@ -461,10 +482,7 @@ pub const TASK: KeySet = KeySet {
         ),
         Key::optional(
             "sweep",
-            Shape::MapOf(&Shape::AnyOf(&[
-                Shape::Table(&SWEEP),
-                Shape::List(&Shape::Amount),
-            ])),
+            SWEPT,
             "Repeat the task at values of host parameters, or of the bound of one of the task's constraints, called by its criterion: `{ F_max = { from = \"5 kN\", to = \"8 kN\", points = 7 } }`; several give every combination.",
         ),
     ],

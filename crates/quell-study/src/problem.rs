@@ -300,7 +300,7 @@ impl Problem for DesignProblem {
             1.0,
             margin,
             &mut scratch.evaluator,
-            |value, fill| {
+            &mut |value, fill| {
                 fill(pieces.push_objective(value));
             },
         );
@@ -314,7 +314,7 @@ impl Problem for DesignProblem {
                 factor,
                 margin,
                 &mut scratch.evaluator,
-                |value, fill| {
+                &mut |value, fill| {
                     fill(pieces.push_constraint(index, value - goal.bound * factor));
                 },
             );

@@ -202,8 +202,25 @@ pub struct CriterionDetail {
     /// The relative tolerance that the value is known to.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub achieved_tolerance: Option<f64>,
+    /// Of a criterion that is taken over parameters or tolerances: of how many points, and at which of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub taken: Option<String>,
     /// `certified`, `computed`, or why there is no number.
     pub status: String,
+}
+
+impl CriterionDetail {
+    /// Of a criterion without a value.
+    pub(crate) fn absent(why: &str) -> Self {
+        Self {
+            unit: String::new(),
+            at_hz: None,
+            at_s: None,
+            achieved_tolerance: None,
+            taken: None,
+            status: why.to_owned(),
+        }
+    }
 }
 
 /// What designs are measured against.

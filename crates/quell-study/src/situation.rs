@@ -23,6 +23,8 @@ pub(crate) struct Situation {
     pub host: Arc<LinearHost>,
     /// The host's parameters, SI.
     pub parameters: Vec<(String, Quantity)>,
+    /// Values that a sweep gave.
+    at: Vec<(String, Quantity)>,
     elements: Vec<NamedElement>,
     /// A linear host as it was read, from which its equations are made when a run in time asks for them.
     assembled: Option<Arc<Host>>,
@@ -69,6 +71,7 @@ pub(crate) fn build(
         return Ok(Situation {
             host: Arc::new(names_of(&equations)),
             parameters,
+            at: at.to_vec(),
             elements: Vec::new(),
             assembled: None,
             equations: OnceLock::from(Arc::new(equations)),
@@ -80,6 +83,7 @@ pub(crate) fn build(
     Ok(Situation {
         host: Arc::new(assembled.linear.clone()),
         parameters: assembled.parameters.clone(),
+        at: at.to_vec(),
         elements: assembled.elements.clone(),
         assembled: Some(Arc::new(assembled)),
         equations: OnceLock::new(),
@@ -182,6 +186,21 @@ fn name_is_frequency(host: &HostFile, name: &str) -> Result<bool, Fault> {
 }
 
 impl Situation {
+    /// The host at further values of its parameters.
+    ///
+    /// # Errors
+    /// As [`build`].
+    pub(crate) fn moved(
+        &self,
+        study: &Study,
+        further: &[(String, Quantity)],
+    ) -> Result<Self, Fault> {
+        let mut at = self.at.clone();
+        at.retain(|(name, _)| further.iter().all(|(moved, _)| moved != name));
+        at.extend(further.iter().cloned());
+        build(&study.host, &study.overrides, &at)
+    }
+
     /// Whether the host is written as equations.
     pub(crate) const fn is_equations(&self) -> bool {
         self.assembled.is_none()

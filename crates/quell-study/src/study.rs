@@ -269,8 +269,60 @@ pub struct Criterion {
     pub unit: Option<(Unit, Span)>,
     /// Relative tolerance of the value.
     pub tolerance: f64,
+    /// Over what it is taken again and again: the worst of several loads, of parts as they are made.
+    pub variation: Option<Variation>,
     /// Where the value stands.
     pub span: Span,
+}
+
+/// What a criterion is taken over: every combination of parameters of the host, and for each the values of elements anywhere
+/// within their tolerances.
+#[derive(Debug, Clone)]
+pub struct Variation {
+    /// Parameters of the host with their values.
+    pub over: Vec<SweepAxis>,
+    /// Tolerances of values of devices.
+    pub tolerances: Vec<Tolerance>,
+    /// Which number of all of them it is.
+    pub take: Statistic,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// How far a value may be from the one that is meant.
+#[derive(Debug, Clone)]
+pub struct Tolerance {
+    /// Of which values, as `bounds` name them; none: of all.
+    pub name: Option<String>,
+    /// Relative, both ways.
+    pub relative: f64,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// One number of many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Statistic {
+    /// The largest.
+    Largest,
+    /// The smallest.
+    Smallest,
+    /// Their arithmetic mean.
+    Mean,
+    /// Largest less smallest.
+    Spread,
+}
+
+impl Statistic {
+    /// The names in the study file.
+    pub const NAMES: [&'static str; 4] = ["largest", "smallest", "mean", "spread"];
+
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
+        [Self::Largest, Self::Smallest, Self::Mean, Self::Spread]
+            .into_iter()
+            .zip(Self::NAMES)
+            .find_map(|(statistic, known)| (known == name).then_some(statistic))
+    }
 }
 
 /// Which way is good.

@@ -111,12 +111,7 @@ fn axis_dimension(
                 .map(|index| problem.evaluator.dimension(index))
                 .ok_or_else(|| missing("bound"))
         }
-        _ => standing
-            .parameters
-            .iter()
-            .find(|(name, _)| *name == axis.name)
-            .map(|(_, known)| known.dimension)
-            .ok_or_else(|| missing("parameter")),
+        _ => parameter_dimension(axis, standing).ok_or_else(|| missing("parameter")),
     }
 }
 
@@ -127,6 +122,49 @@ fn axis_values(
     standing: &Situation,
 ) -> Result<Vec<Quantity>, Fault> {
     let dimension = axis_dimension(study, task, axis, standing)?;
+    values_of(axis, dimension, standing)
+}
+
+/// Every combination of values of host parameters, the last axis running fastest.
+pub(crate) fn combinations(
+    study: &Study,
+    axes: &[SweepAxis],
+    standing: &Situation,
+) -> Result<Vec<Vec<(String, Quantity)>>, Fault> {
+    let mut points = vec![Vec::new()];
+    for axis in axes {
+        let dimension = parameter_dimension(axis, standing).ok_or_else(|| {
+            let message = format!("there is no parameter `{}`", axis.name);
+            Fault::at(&study.source, axis.span, message)
+        })?;
+        let values = values_of(axis, dimension, standing)?;
+        points = points
+            .iter()
+            .flat_map(|point: &Vec<(String, Quantity)>| {
+                values.iter().map(|value| {
+                    let mut point = point.clone();
+                    point.push((axis.name.clone(), *value));
+                    point
+                })
+            })
+            .collect();
+    }
+    Ok(points)
+}
+
+fn parameter_dimension(axis: &SweepAxis, standing: &Situation) -> Option<Dimension> {
+    standing
+        .parameters
+        .iter()
+        .find(|(name, _)| *name == axis.name)
+        .map(|(_, known)| known.dimension)
+}
+
+fn values_of(
+    axis: &SweepAxis,
+    dimension: Dimension,
+    standing: &Situation,
+) -> Result<Vec<Quantity>, Fault> {
     let numbers = match &axis.values {
         SweepValues::List(amounts) => amounts
             .iter()

@@ -5,10 +5,12 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use quell_document::Fault;
+use quell_expression::{Span, nearest};
 use quell_network::{Domain, Kinds, Layout, expand};
 
 use crate::built::{Built, Values, component_fault, range};
 use crate::candidates::{Candidate, Candidates};
+use crate::configuration;
 use crate::evaluator::{Evaluator, prepare};
 use crate::situation::Situation;
 use crate::study::{DesignTask, Study, TaskKind};
@@ -22,7 +24,58 @@ pub(crate) fn check(study: &Study, situation: &Situation) -> Result<(), Fault> {
         prepare(study, situation, run)?;
     }
     components(study, situation)?;
-    criteria(study, situation)
+    criteria(study, situation)?;
+    tolerances(study, situation)
+}
+
+/// Refuses a tolerance of a value that no layout of the study has.
+fn tolerances(study: &Study, situation: &Situation) -> Result<(), Fault> {
+    let named: Vec<(&str, Span)> = study
+        .criteria
+        .values()
+        .filter_map(|criterion| criterion.variation.as_ref())
+        .flat_map(|variation| &variation.tolerances)
+        .filter_map(|tolerance| Some((tolerance.name.as_deref()?, tolerance.span)))
+        .collect();
+    if named.is_empty() {
+        return Ok(());
+    }
+    let mut known: HashSet<String> = HashSet::new();
+    let mut learn = |built: &Built| known.extend(built.value_keys().flatten().cloned());
+    for task in &study.tasks {
+        match &task.kind {
+            TaskKind::Evaluate(configurations) => {
+                for spec in configurations.values() {
+                    learn(&configuration::built(study, situation, spec)?);
+                }
+            }
+            TaskKind::Design(design) => {
+                for candidate in Candidates::of(design).iter().take(TRIED) {
+                    learn(&Built::new(
+                        study,
+                        situation,
+                        &candidate,
+                        Values::searched(design),
+                    )?);
+                }
+            }
+            TaskKind::Continuation(_) => {}
+        }
+    }
+    for (name, span) in named {
+        if known.contains(name) {
+            continue;
+        }
+        let message = format!("no layout of this study has a value `{name}`");
+        let fault = Fault::at(&study.source, span, message);
+        let mut names: Vec<&str> = known.iter().map(String::as_str).collect();
+        names.sort_unstable();
+        return Err(match nearest(name, names.into_iter()) {
+            Some(near) => fault.help(format!("did you mean `{near}`?")),
+            None => fault.help("tolerances name values as `bounds` do: `{ k = \"5 %\" }`"),
+        });
+    }
+    Ok(())
 }
 
 fn components(study: &Study, situation: &Situation) -> Result<(), Fault> {

@@ -494,10 +494,17 @@ fn shown_criteria(findings: &DesignFindings) -> Vec<&String> {
 
 /// Where the objective's value is taken.
 fn where_of(one: &Evaluated, name: &str) -> String {
-    one.details
-        .get(name)
-        .and_then(|detail| detail.at_hz)
-        .map_or_else(String::new, |at| format!(", at {} Hz", significant(at, 4)))
+    let Some(detail) = one.details.get(name) else {
+        return String::new();
+    };
+    let frequency = detail
+        .at_hz
+        .map_or_else(String::new, |at| format!(", at {} Hz", significant(at, 4)));
+    let taken = detail
+        .taken
+        .as_ref()
+        .map_or_else(String::new, |taken| format!(", {taken}"));
+    frequency + &taken
 }
 
 /// Where values are taken, and why there is none.
@@ -516,8 +523,13 @@ fn remarks(one: &Evaluated, names: &[&String]) -> String {
         let value = one.criteria.get(*name).copied().unwrap_or(f64::NAN);
         if !value.is_finite() {
             remarks.push(format!("{lead}{}", detail.status));
-        } else if let Some(at) = detail.at_hz {
-            remarks.push(format!("{lead}at {} Hz", significant(at, 4)));
+            continue;
+        }
+        let at = detail.at_hz;
+        let frequency = at.map(|at| format!("at {} Hz", significant(at, 4)));
+        let words: Vec<String> = frequency.into_iter().chain(detail.taken.clone()).collect();
+        if !words.is_empty() {
+            remarks.push(format!("{lead}{}", words.join(", ")));
         }
     }
     remarks.join(", ")

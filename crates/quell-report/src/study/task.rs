@@ -386,6 +386,7 @@ impl Bridge<'_> {
                 if let Some(at) = detail.and_then(|detail| detail.at_s) {
                     note.push(format!("at {}\u{a0}s", significant(at, 4)));
                 }
+                note.extend(detail.and_then(|detail| detail.taken.clone()));
                 if let Some(detail) = detail.filter(|_| !value.is_finite()) {
                     note.push(detail.status.clone());
                 }

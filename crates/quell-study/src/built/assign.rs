@@ -22,6 +22,7 @@ pub(super) struct Builder<'a> {
     pub(super) used: HashSet<String>,
     pub(super) variables: Vec<Variable>,
     pub(super) origins: Vec<Origin>,
+    pub(super) names: Vec<Vec<String>>,
     pub(super) laws: Vec<LawValue>,
 }
 
@@ -61,6 +62,7 @@ impl<'a> Builder<'a> {
                 let name = variable.name.as_str();
                 if attachment.is_custom(name) {
                     self.origins.push(Origin::Given(1.0));
+                    self.names.push(Vec::new());
                     continue;
                 }
                 let shared = seen.get(name).is_some_and(|count| *count > 1);
@@ -105,6 +107,9 @@ impl<'a> Builder<'a> {
                 }
                 let origin = self.origin(&wanted)?;
                 self.origins.push(origin);
+                let mut names = wanted.keys;
+                names.append(&mut wanted.bound_keys);
+                self.names.push(names);
             }
         }
         Ok(())
@@ -153,6 +158,7 @@ impl<'a> Builder<'a> {
                     self.laws.push(LawValue {
                         attachment: index,
                         name,
+                        keys: keys.to_vec(),
                         dimension,
                         origin,
                         shown,

@@ -1,6 +1,7 @@
 //! From a study file to a [`Study`]: keys checked, names resolved, layouts parsed; every fault at its place.
 
 mod continuation;
+mod criteria;
 mod devices;
 mod immittance;
 mod objectives;
@@ -15,14 +16,12 @@ use std::sync::Arc;
 
 use indexmap::IndexMap;
 use quell_document::{Document, Fault, Source, Table, Value};
-use quell_expression::{Function, Span, Unit, nearest};
+use quell_expression::{Function, Span, nearest};
 use quell_model::{HostFile, LinearHost, Waveform};
 
 use crate::amount::Amount;
-use crate::combination;
-use crate::criteria::Modal;
 use crate::keys;
-use crate::study::{Criterion, FrequencyRun, ReportWishes, Run, Study};
+use crate::study::{FrequencyRun, ReportWishes, Run, Study};
 
 /// The version of study files that this Quell writes and reads.
 pub const FILE_VERSION: i64 = 1;
@@ -85,7 +84,7 @@ impl Study {
             None => IndexMap::new(),
         };
         let criteria = match section("criteria")? {
-            Some(value) => criteria(&value, &runs)?,
+            Some(value) => criteria::criteria(&value, &runs, &standing, &source)?,
             None => IndexMap::new(),
         };
         let mut study = Self {
@@ -425,96 +424,6 @@ fn counted(number: usize, what: &str) -> String {
     } else {
         format!("{number} {what}s")
     }
-}
-
-fn criteria(
-    value: &Value<'_>,
-    runs: &IndexMap<String, Run>,
-) -> Result<IndexMap<String, Criterion>, Fault> {
-    let table = named_tables(value, "criteria")?;
-    let mut criteria = IndexMap::new();
-    let names: Vec<&str> = table.entries().map(|(name, _, _)| name).collect();
-    for (name, span, value) in table.entries() {
-        check_name(name, span, &table)?;
-        if Modal::NAMES.contains(&name) {
-            return Err(Fault::at(
-                table.source(),
-                span,
-                format!("`{name}` is the name of what every mode has"),
-            )
-            .help("choose another name"));
-        }
-        let entry = value.as_table()?;
-        entry.check(&keys::CRITERION)?;
-        let expression = entry.require("value")?;
-        let run = entry.get("run");
-        match &run {
-            Some(run) => {
-                resolve(run, "run", runs.keys().map(String::as_str))?;
-            }
-            None => of_criteria(&entry, &expression, &names, runs)?,
-        }
-        let unit = entry
-            .get("unit")
-            .map(|value| {
-                let text = value.as_str()?;
-                Unit::parse(text)
-                    .map(|unit| (unit, value.span()))
-                    .map_err(|mut error| {
-                        error.span = value.text_span(error.span);
-                        Fault::from_expression(value.source(), error)
-                    })
-            })
-            .transpose()?;
-        let tolerance = match entry.get("tolerance") {
-            Some(value) => {
-                let tolerance = value.as_f64()?;
-                if !(1e-10..=0.1).contains(&tolerance) {
-                    return Err(value
-                        .fault(format!("the tolerance {tolerance} is out of reach"))
-                        .help(
-                            "a relative tolerance lies between 1e-10 and 0.1; 1e-4 unless given",
-                        ));
-                }
-                tolerance
-            }
-            None => 1e-4,
-        };
-        criteria.insert(
-            name.to_owned(),
-            Criterion {
-                run: run.map(|run| run.as_str().map(str::to_owned)).transpose()?,
-                value: expression.expression()?,
-                unit,
-                tolerance,
-                span: expression.span(),
-            },
-        );
-    }
-    combination::refuse_cycles(&criteria, table.source())?;
-    Ok(criteria)
-}
-
-/// A criterion without a run is an expression of other criteria.
-fn of_criteria(
-    entry: &Table<'_>,
-    value: &Value<'_>,
-    names: &[&str],
-    runs: &IndexMap<String, Run>,
-) -> Result<(), Fault> {
-    let expression = value.expression()?;
-    if expression.names().iter().any(|name| names.contains(name)) {
-        return Ok(());
-    }
-    let fault = entry.fault("this criterion names neither a run nor other criteria");
-    let runs: Vec<String> = runs
-        .keys()
-        .map(|run| format!("`run = \"{run}\"`"))
-        .collect();
-    Err(fault.help(format!(
-        "add {}, or write an expression of criteria",
-        runs.join(" or ")
-    )))
 }
 
 fn report(value: Option<Value<'_>>) -> Result<ReportWishes, Fault> {

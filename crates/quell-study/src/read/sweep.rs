@@ -25,20 +25,59 @@ pub(super) fn sweep(
     };
     let parameters = study.host.parameters(&[])?;
     let names: Vec<&str> = parameters.iter().map(|(name, _)| name.as_str()).collect();
+    let axes = axes(&value, &study.source, |name, span| {
+        swept(study, kind, name, span, &names)
+    })?;
+    refuse_many(&value, &axes)?;
+    Ok(axes)
+}
+
+/// Axes of the host's parameters alone.
+pub(super) fn parameter_axes(
+    value: &Value<'_>,
+    parameters: &[&str],
+    source: &Arc<Source>,
+) -> Result<Vec<SweepAxis>, Fault> {
+    axes(value, source, |name, span| {
+        if parameters.contains(&name) {
+            return Ok(Swept::Parameter);
+        }
+        let message = format!("the host has no parameter `{name}`");
+        let fault = Fault::at(source, span, message);
+        Err(unknown(
+            fault,
+            name,
+            "parameter",
+            parameters.iter().copied(),
+        ))
+    })
+}
+
+fn axes(
+    value: &Value<'_>,
+    source: &Arc<Source>,
+    what: impl Fn(&str, Span) -> Result<Swept, Fault>,
+) -> Result<Vec<SweepAxis>, Fault> {
+    let key = value.as_table()?;
     let mut axes = Vec::new();
-    for (name, span, value) in value.as_table()?.entries() {
+    for (name, span, value) in key.entries() {
         axes.push(SweepAxis {
             name: name.to_owned(),
-            what: swept(study, kind, name, span, &names)?,
+            what: what(name, span)?,
             span,
-            values: sweep_values(&value, &study.source)?,
+            values: sweep_values(&value, source)?,
         });
     }
     if axes.is_empty() {
         return Err(value
-            .fault("the sweep names nothing to sweep")
-            .help("write `sweep = { PARAMETER = [\"10 kg\", \"12 kg\"] }`"));
+            .fault("this names nothing to sweep")
+            .help("write `{ PARAMETER = [\"10 kg\", \"12 kg\"] }`"));
     }
+    Ok(axes)
+}
+
+/// Refuses more combinations than anybody wants.
+pub(super) fn refuse_many(value: &Value<'_>, axes: &[SweepAxis]) -> Result<(), Fault> {
     let points = axes
         .iter()
         .map(|axis| axis.values.count())
@@ -50,7 +89,7 @@ pub(super) fn sweep(
             ))
             .help("sweep fewer parameters at once, or at fewer points"));
     }
-    Ok(axes)
+    Ok(())
 }
 
 /// Whether the name of an axis is a parameter of the host or the criterion of a constraint.

@@ -77,8 +77,8 @@ impl Runner<'_> {
                 break (outcome, !missed.is_empty());
             }
             // The problem is another one from here on.
-            for (reading, omega) in &missed {
-                key = key.count(*reading as u64).number(*omega);
+            for miss in &missed {
+                key = miss.key(key);
             }
         };
         self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
