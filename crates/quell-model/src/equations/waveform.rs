@@ -74,6 +74,21 @@ impl Waveform {
         }
     }
 
+    /// Whether it has one value from one time to another, between two neighbouring breakpoints.
+    #[must_use]
+    pub fn is_constant(&self, from: f64, to: f64) -> bool {
+        match self {
+            Self::Harmonic(harmonic) => harmonic.amplitude == 0.0,
+            Self::Pulse(pulse) => {
+                let inside = 0.5 * (from + to);
+                pulse.shape == PulseShape::Rectangular
+                    || pulse.amplitude == 0.0
+                    || !(pulse.at..pulse.at + pulse.duration).contains(&inside)
+            }
+            Self::Random(_) | Self::Sampled(_) => false,
+        }
+    }
+
     /// The times at which the value or one of its first two derivatives jumps, in order.
     #[must_use]
     pub fn breakpoints(&self) -> Vec<f64> {
@@ -309,7 +324,10 @@ mod tests {
         assert_eq!(wave.value_beside(1.5, 1.2)[0], 3.0);
         assert_eq!(wave.value_beside(1.0, 0.9)[0], 0.0);
         assert_eq!(wave.breakpoints(), [1.0, 1.5]);
+        assert!(wave.is_constant(1.0, 1.5) && wave.is_constant(1.5, 9.0));
         pulse.shape = PulseShape::HalfSine;
+        let half_sine = Waveform::Pulse(pulse);
+        assert!(!half_sine.is_constant(1.0, 1.5) && half_sine.is_constant(0.0, 1.0));
         check_derivatives(&Waveform::Pulse(pulse), &[1.1, 1.3], 800.0);
         assert!((Waveform::Pulse(pulse).value(1.25)[0] - 3.0).abs() < 1e-15);
         pulse.shape = PulseShape::Triangular;

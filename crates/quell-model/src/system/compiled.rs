@@ -41,6 +41,8 @@ pub struct System {
     pub(crate) switch_count: usize,
     pub(crate) start: Program,
     affine: bool,
+    /// Whether inputs move the rates.
+    pub(crate) excited: bool,
     assembled: Assembled,
     watched: Vec<Slot>,
     linear: OnceLock<Linear>,
@@ -116,6 +118,11 @@ impl System {
         let (rates, jacobian) = closed.split_at(count);
         refuse_loops(host, &assembled, rates)?;
         let affine = is_affine(&mut assembled, jacobian, &open);
+        let waves: Vec<usize> = assembled.waves.iter().flatten().copied().collect();
+        let excited = assembled
+            .jacobian(&open, &waves)
+            .iter()
+            .any(Option::is_some);
         let mut kinks = rates.to_vec();
         for layer in assembled.layers.clone() {
             if layer.solution.is_none() {
@@ -162,6 +169,7 @@ impl System {
             switches: compiled_switches,
             start,
             affine,
+            excited,
             watched,
             assembled,
             linear: OnceLock::new(),
@@ -223,7 +231,8 @@ impl System {
             .sum()
     }
 
-    /// Whether x' = A x + b with constants A and b on every piece between zeros of the switches, at whatever time.
+    /// Whether x' = A x + b with a constant A on every piece between zeros of the switches, and b constant wherever all
+    /// inputs are.
     #[must_use]
     pub const fn affine(&self) -> bool {
         self.affine
@@ -413,16 +422,14 @@ fn implicit(assembled: &mut Assembled, is_parameter: &[bool]) -> Vec<Implicit> {
         .collect()
 }
 
-/// Whether the closed Jacobian is constant piece by piece, and the rates do not depend on time.
+/// Whether the closed Jacobian is constant piece by piece, and the rates depend on time through inputs alone.
 fn is_affine(assembled: &mut Assembled, jacobian: &[Slot], rates: &[Slot]) -> bool {
-    let mut by: Vec<usize> = vec![assembled.time];
-    by.extend(assembled.waves.iter().flatten());
-    let in_time = assembled.jacobian(rates, &by);
+    let in_time = assembled.jacobian(rates, &[assembled.time]);
     if in_time.iter().any(Option::is_some) {
         return false;
     }
     let mut moving: Vec<usize> = assembled.states.iter().map(|state| state.input).collect();
-    moving.extend(by);
+    moving.extend(assembled.waves.iter().flatten());
     moving.extend(
         assembled
             .layers

@@ -232,10 +232,23 @@ impl<'s> Prepared<'s> {
             .evaluate(0, &self.point, &mut self.switches, out);
     }
 
+    /// Whether inputs keep their values on the piece of time that is [looked at](Self::within).
+    fn is_quiet(&self) -> bool {
+        let Some((from, to)) = self.piece else {
+            return !self.system.excited;
+        };
+        !self.system.excited
+            || self
+                .waveforms
+                .iter()
+                .flatten()
+                .all(|waveform| waveform.is_constant(from, to))
+    }
+
     /// A (row-major) and b with x' = A x + b on the piece on which x lies; false where the system is not
-    /// [affine](System::affine).
+    /// [affine](System::affine) or inputs vary.
     pub fn affine(&mut self, t: f64, x: &[f64], a: &mut [f64], b: &mut [f64]) -> bool {
-        if !self.system.affine() {
+        if !self.system.affine() || !self.is_quiet() {
             return false;
         }
         self.jacobian(t, x, b, a);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use quell_document::Source;
 use quell_model::HostFile;
 use quell_model::system::{Phase, Prepared, System};
-use quell_response::transient::{Dynamics, End, Method, Settings, Trajectory, simulate};
+use quell_response::transient::{Dynamics, End, Method, Scheme, Settings, Trajectory, simulate};
 
 const FREQUENCY: f64 = 2.0;
 
@@ -87,6 +87,7 @@ fn motion(dynamics: &mut dyn Dynamics, settings: &Settings) -> Trajectory {
 
 /// Ten seconds with a millisecond's pulse and with a second's, by every method. Twenty periods at a relative tolerance of 1e-10
 /// a step leave less than 1e-7 of the amplitude, with the implicit methods of order 3 and 5 a little more for their many steps.
+/// Left to itself the integrator takes matrix exponentials, since the force is constant from edge to edge: exact to rounding.
 #[test]
 fn a_rectangle_is_neither_lost_nor_smeared() {
     for duration in [1e-3, 1.0] {
@@ -95,7 +96,7 @@ fn a_rectangle_is_neither_lost_nor_smeared() {
             .map(|i| expected(0.01 * f64::from(i), 1.3, 1.3 + duration).abs())
             .fold(0.0, f64::max);
         for (method, tolerance) in [
-            (Method::Automatic, 1e-7),
+            (Method::Automatic, 1e-11),
             (Method::Explicit, 1e-7),
             (Method::StiffOscillating, 1e-6),
             (Method::Stiff, 1e-5),
@@ -104,6 +105,9 @@ fn a_rectangle_is_neither_lost_nor_smeared() {
             assert_eq!(prepared.breakpoints(), [1.3, 1.3 + duration]);
             let run = motion(&mut prepared, &settings(method));
             assert_eq!(run.statistics().restarts, 2);
+            if method == Method::Automatic {
+                assert_eq!(run.statistics().schemes, [Scheme::Exact]);
+            }
             let mut worst = 0.0_f64;
             for i in 0..=2000 {
                 let t = 0.005 * f64::from(i);
@@ -162,7 +166,7 @@ fn restarts_cost_no_steps() {
 #[test]
 fn restarts_in_the_settings() {
     let system = rectangle(1e-3);
-    let mut settings = settings(Method::Automatic);
+    let mut settings = settings(Method::Explicit);
     let told = motion(&mut system.prepare(&system.defaults()), &settings);
     settings.restarts = vec![1.3 + 1e-3, 1.3, 20.0];
     let mut listening = Silent {

@@ -70,7 +70,7 @@ fn axes(
     }
     if axes.is_empty() {
         return Err(value
-            .fault("this names nothing to sweep")
+            .fault("no parameter is named here")
             .help("write `{ PARAMETER = [\"10 kg\", \"12 kg\"] }`"));
     }
     Ok(axes)
