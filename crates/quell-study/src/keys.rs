@@ -557,10 +557,10 @@ pub const BUDGET: KeySet = KeySet {
 /// A function of given order.
 pub const IMMITTANCE: KeySet = KeySet {
     title: "Immittance",
-    documentation: "The device as a function Y(s), force over velocity, of given order: (b s² + (c + c0) s + k)/(tau s² + s + rho) with c0 = (√(b rho) - √(k tau))², all coefficients at least zero, reaches every positive-real biquadratic; bilinear is (c s + k)/(s + rho) and b s + c. A function with a pole at infinity (tau = 0) is a candidate of its own. `bounds` gives ranges of `b`, `c`, `k`, `tau` (a time) and `rho` (a rate). What is found is synthesised.",
+    documentation: "The device as a function Y(s), force over velocity, of given order: (b s² + (c + c0) s + k)/(tau s² + s + rho) with c0 = (√(b rho) - √(k tau))², all coefficients at least zero, reaches every positive-real biquadratic; bilinear is (c s + k)/(s + rho) and b s + c. A function with a pole at infinity (tau = 0) is a candidate of its own. `bounds` gives ranges of `b`, `c`, `k`, `tau` (a time) and `rho` (a rate). A bicubic is given by its poles, -`rho` and those of frequency `omega` and damping ratio `zeta`, by the zeros of its real part, `rho0`, `omega0` and `zeta0` likewise, and by `c`, its value at infinity; with a pole there, `b` s besides, it has neither `rho` nor `rho0`. What is found is synthesised.",
     keys: &[Key::required(
         "immittance",
-        Shape::Choice(&["bilinear", "biquadratic"]),
+        Shape::Choice(&crate::immittance::Form::ORDERS),
         "The order.",
     )],
     others: None,

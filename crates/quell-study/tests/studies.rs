@@ -327,9 +327,28 @@ fn suspension_struts_improve_on_the_damper() {
     assert!(parallel.objective <= damper.objective * (1.0 + 1e-6));
 }
 
-/// J1 of the quarter car with a static stiffness and a strut beside it, by quadrature over the two equations of motion.
-fn comfort_of_strut(stiffness: f64, layout: &str, values: &indexmap::IndexMap<String, f64>) -> f64 {
-    let (ms, mu, kt) = (250.0, 35.0, 150e3);
+/// The three measures of Smith and Wang (2004).
+#[derive(Clone, Copy, PartialEq)]
+enum Measure {
+    /// Ride comfort, m/s².
+    J1,
+    /// Tyre load, N.
+    J3,
+    /// Yielding under loads, m/N.
+    J5,
+}
+
+const SPRUNG: f64 = 250.0;
+const UNSPRUNG: f64 = 35.0;
+const TYRE: f64 = 150e3;
+
+/// A measure of the quarter car with a static stiffness and a strut beside it, over the two equations of motion.
+fn of_strut(
+    measure: Measure,
+    stiffness: f64,
+    layout: &str,
+    values: &indexmap::IndexMap<String, f64>,
+) -> f64 {
     let of = |name: &str| values.get(name).copied().unwrap_or(f64::NAN);
     let (k, c, b) = (of("k1"), of("c1"), of("b1"));
     let series = |all: &[num_complex::Complex64]| -> num_complex::Complex64 {
@@ -353,51 +372,105 @@ fn comfort_of_strut(stiffness: f64, layout: &str, values: &indexmap::IndexMap<St
             other => panic!("no strut {other}"),
         };
         let z = stiffness + strut;
-        let determinant = (ms * s * s + z) * (mu * s * s + z + kt) - z * z;
-        (s * z * kt / determinant).norm_sqr()
+        let (body, wheel) = (SPRUNG * s * s + z, UNSPRUNG * s * s + z + TYRE);
+        let determinant = body * wheel - z * z;
+        match measure {
+            Measure::J1 => s * z * TYRE / determinant,
+            // kt (zu - zr)/s, with zu/zr - 1 over the common denominator, where nothing cancels.
+            Measure::J3 => {
+                TYRE * s * (-(SPRUNG + UNSPRUNG) * z - UNSPRUNG * SPRUNG * s * s) / determinant
+            }
+            Measure::J5 => wheel / determinant,
+        }
+        .norm_sqr()
     };
-    // Simpson's rule over ω = 40 tan θ, as above; the integrand vanishes at both ends.
+    if measure == Measure::J5 {
+        // Of 20,000 frequencies to 100 Hz the largest, then thirds between its neighbours.
+        let step = std::f64::consts::TAU * 100.0 / 20_000.0;
+        let at = (1..=20_000)
+            .map(|index| step * f64::from(index))
+            .max_by(|one, other| square(*one).total_cmp(&square(*other)))
+            .unwrap();
+        let (mut low, mut high) = (at - step, at + step);
+        for _ in 0..60 {
+            let (one, other) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if square(one) < square(other) {
+                low = one;
+            } else {
+                high = other;
+            }
+        }
+        // At rest it yields by both springs in series.
+        let at_rest = 1.0 / stiffness + 1.0 / TYRE;
+        return square(0.5 * (low + high)).sqrt().max(at_rest);
+    }
+    // Simpson's rule over ω = 40 tan θ, as above. At θ = 0 the integrand vanishes; at the other end that of J1 does, and that
+    // of J3 goes to kt²/ω² times dω/dθ = 40/cos² θ, which is kt²/40.
     let n = 20_000;
     let step = std::f64::consts::FRAC_PI_2 / f64::from(n);
-    let sum: f64 = (1..n)
+    let inner: f64 = (1..n)
         .map(|index| {
             let theta = step * f64::from(index);
             let weight = if index % 2 == 1 { 4.0 } else { 2.0 };
             weight * square(40.0 * theta.tan()) * 40.0 / theta.cos().powi(2)
         })
         .sum();
-    let norm_squared = sum * step / 3.0 / std::f64::consts::PI;
+    let end = if measure == Measure::J3 {
+        TYRE * TYRE / 40.0
+    } else {
+        0.0
+    };
+    let norm_squared = (inner + end) * step / 3.0 / std::f64::consts::PI;
     2.0 * std::f64::consts::PI * (25.0 * 5e-7 * norm_squared).sqrt()
 }
 
-/// The eight struts of Smith and Wang (2004) for ride comfort, over the static stiffness. The best damper has a closed form:
-/// ‖s T‖² = ((ms + mu) K² + kt c²)/(2 c ms²), least at c = K √((ms + mu)/kt), so that J1 = 2π √(V κ K √(kt (ms + mu)))/ms
-/// (Scheibe and Smith 2009). The others are integrated once more by hand, and no change of a value by 1 % makes them better.
-#[test]
-fn eight_struts_over_static_stiffness() {
-    let results = run(&gallery("quarter-car.toml"), 1, 2, &["J1"]);
-    let TaskBody::Sweep { points } = &results.tasks["J1"].body else {
-        panic!("J1 has no sweep");
+/// The best damper beside a static stiffness K (Scheibe and Smith 2009), with M = ms + mu:
+/// ‖s T(zr → zs)‖² = (M K² + kt c²)/(2 c ms²),
+/// ‖T(zr → kt (zu - zr))/s‖² = (kt M² c² + M³ K² - 2 K kt ms mu M + kt² ms² mu)/(2 c ms²); each is least where its two terms
+/// in c and 1/c are equal. None for J5.
+fn best_damper(measure: Measure, stiffness: f64) -> Option<f64> {
+    let total = SPRUNG + UNSPRUNG;
+    let (with, without) = match measure {
+        Measure::J1 => (TYRE, total * stiffness * stiffness),
+        Measure::J3 => (
+            TYRE * total * total,
+            total.powi(3) * stiffness * stiffness
+                - 2.0 * stiffness * TYRE * SPRUNG * UNSPRUNG * total
+                + TYRE * TYRE * SPRUNG * SPRUNG * UNSPRUNG,
+        ),
+        Measure::J5 => return None,
+    };
+    let norm_squared = (with * without).sqrt() / (SPRUNG * SPRUNG);
+    Some(2.0 * std::f64::consts::PI * (25.0 * 5e-7 * norm_squared).sqrt())
+}
+
+/// The eight struts of Smith and Wang (2004) over the static stiffness: each value once more by hand, the ranks those of the values by
+/// hand, no change of a value by 1 % any better, and the damper's closed form.
+fn eight_struts(measure: Measure, task: &str) {
+    let results = run(&gallery("quarter-car.toml"), 1, 2, &[task]);
+    let TaskBody::Sweep { points } = &results.tasks[task].body else {
+        panic!("{task} has no sweep");
     };
     assert_eq!(points.len(), 4);
     for point in points {
         let stiffness = point.at["K"];
         let TaskFindings::Design { designs, .. } = &point.findings else {
-            panic!("J1 is no design");
+            panic!("{task} is no design");
         };
         assert_eq!(designs.len(), 8);
         let mut last = 0.0;
         for design in designs {
             let strut = &design.devices["suspension"];
-            let by_hand = comfort_of_strut(stiffness, &strut.layout, &strut.values);
+            let by_hand = of_strut(measure, stiffness, &strut.layout, &strut.values);
             assert!(
-                // A search without gradients ends within its agreement of 1e-4; 1e-5 is what it reaches here.
-                (design.objective / by_hand - 1.0).abs() < 1e-5,
+                // A peak is certified within 1e-4 from above; a norm is the same integral.
+                (design.objective / by_hand - 1.0).abs()
+                    < if measure == Measure::J5 { 1e-4 } else { 1e-7 },
                 "{}: {} {by_hand}",
                 strut.layout,
                 design.objective
             );
-            assert!(by_hand >= last * (1.0 - 1e-6), "ranks");
+            assert!(by_hand >= last * (1.0 - 1e-4), "ranks");
             last = by_hand;
             for (name, value) in &strut.values {
                 for factor in [0.99, 1.01] {
@@ -407,17 +480,18 @@ fn eight_struts_over_static_stiffness() {
                         .any(|one| one.starts_with(name.as_str()));
                     let mut changed = strut.values.clone();
                     changed.insert(name.clone(), factor * value);
-                    let other = comfort_of_strut(stiffness, &strut.layout, &changed);
+                    let other = of_strut(measure, stiffness, &strut.layout, &changed);
+                    // Starts agree within 1e-4 of the best.
                     assert!(
-                        at_bound || other >= by_hand * (1.0 - 1e-6),
+                        at_bound || other >= by_hand * (1.0 - 1e-4),
                         "{} at {stiffness}: {name}",
                         strut.layout
                     );
                 }
             }
-            if strut.layout == "c1" {
-                let closed = 2.0 * std::f64::consts::PI / 250.0
-                    * (25.0 * 5e-7 * stiffness * (150e3_f64 * 285.0).sqrt()).sqrt();
+            if strut.layout == "c1"
+                && let Some(closed) = best_damper(measure, stiffness)
+            {
                 assert!(
                     (design.objective / closed - 1.0).abs() < 1e-4,
                     "{} {closed}",
@@ -426,6 +500,21 @@ fn eight_struts_over_static_stiffness() {
             }
         }
     }
+}
+
+#[test]
+fn eight_struts_for_ride_comfort() {
+    eight_struts(Measure::J1, "J1");
+}
+
+#[test]
+fn eight_struts_for_tyre_load() {
+    eight_struts(Measure::J3, "J3");
+}
+
+#[test]
+fn eight_struts_for_loads_on_the_body() {
+    eight_struts(Measure::J5, "J5");
 }
 
 #[test]
