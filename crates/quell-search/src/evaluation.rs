@@ -47,6 +47,14 @@ impl Value {
     }
 }
 
+/// A point of a sample with everything about it.
+pub(crate) struct Sampled<'p> {
+    pub(crate) coordinates: &'p [f64],
+    objective: f64,
+    constraints: Vec<f64>,
+    pub(crate) value: Value,
+}
+
 /// The problem of one start: counts evaluations, keeps the best point, and works in scaled coordinates.
 pub(crate) struct Evaluator<'a, P: Problem> {
     problem: &'a P,
@@ -60,6 +68,8 @@ pub(crate) struct Evaluator<'a, P: Problem> {
     pub(crate) best_coordinates: Vec<f64>,
     best_point: Vec<f64>,
     best_constraints: Vec<f64>,
+    /// By what each constraint is divided beyond the tolerance; 1 for most.
+    relief: Vec<f64>,
     /// Whether the problem gives no pieces, so that differences stand for them.
     differences: bool,
 }
@@ -84,6 +94,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
                 .map(|variable| variable.value(0.5))
                 .collect(),
             best_constraints: vec![f64::INFINITY; constraints],
+            relief: vec![1.0; constraints],
             differences: false,
         }
     }
@@ -151,11 +162,75 @@ impl<'a, P: Problem> Evaluator<'a, P> {
         let violation = self
             .constraints
             .iter()
-            .fold(0.0_f64, |worst, &c| worst.max(c));
+            .zip(&self.relief)
+            .fold(0.0_f64, |worst, (&c, &relief)| {
+                worst.max(self.relieved(c, relief).0)
+            });
         Value {
             objective,
             violation,
         }
+    }
+
+    /// A constraint as the search weighs it, and by what its slope is divided.
+    ///
+    /// A bound near zero, `regrowth <= 1e-9` say, makes violations of 1e7 of everyday values: no other constraint would
+    /// count beside it, and no penalty would fit. What is feasible stays so.
+    fn relieved(&self, constraint: f64, relief: f64) -> (f64, f64) {
+        let allowed = 0.01 * self.settings.feasibility;
+        if constraint > allowed && relief > 1.0 {
+            (allowed + (constraint - allowed) / relief, relief)
+        } else {
+            (constraint, 1.0)
+        }
+    }
+
+    /// Weighs constraints by a sample of the box: one that is missed by over ten times its bound at half of the points that
+    /// miss it is divided by that. Gives the sample anew, with the best point among it.
+    pub(crate) fn relieve(&mut self, sample: &mut [Sampled<'_>]) {
+        for j in 0..self.relief.len() {
+            let mut missed: Vec<f64> = sample
+                .iter()
+                .filter_map(|one| one.constraints.get(j).copied())
+                .filter(|c| c.is_finite() && *c > self.settings.feasibility)
+                .collect();
+            missed.sort_by(f64::total_cmp);
+            if let Some(&median) = missed.get(missed.len() / 2)
+                && median > 10.0
+            {
+                self.relief[j] = median;
+            }
+        }
+        if self.relief.iter().all(|relief| *relief == 1.0) {
+            return;
+        }
+        self.best = Value::FAILED;
+        for one in sample {
+            self.place(one.coordinates);
+            self.constraints.copy_from_slice(&one.constraints);
+            one.value = self.value(one.objective);
+            self.keep(one.coordinates, one.objective);
+        }
+    }
+
+    /// One point of a sample.
+    pub(crate) fn sampled<'p>(&mut self, coordinates: &'p [f64]) -> Sampled<'p> {
+        let objective = self.raw_values(coordinates);
+        Sampled {
+            coordinates,
+            objective,
+            constraints: self.constraints.clone(),
+            value: self.value(objective),
+        }
+    }
+
+    /// Largest violation at the best point, as it is.
+    pub(crate) fn violation(&self) -> f64 {
+        if self.best.is_failed() {
+            return self.best.violation;
+        }
+        let constraints = self.best_constraints.iter();
+        constraints.fold(0.0_f64, |worst, &c| worst.max(c))
     }
 
     fn keep(&mut self, coordinates: &[f64], objective: f64) {
@@ -217,7 +292,13 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             scale(pieces.push_objective(value), gradient, &self.point);
         }
         for (index, value, gradient) in self.raw.iter_constraints() {
-            scale(pieces.push_constraint(index, value), gradient, &self.point);
+            let relief = self.relief.get(index).copied().unwrap_or(1.0);
+            let (value, divisor) = self.relieved(value, relief);
+            let target = pieces.push_constraint(index, value);
+            scale(target, gradient, &self.point);
+            for entry in target {
+                *entry /= divisor;
+            }
         }
         Some(true)
     }
@@ -275,7 +356,12 @@ impl<'a, P: Problem> Evaluator<'a, P> {
         let objective = self.raw_values(coordinates);
         let mut values = Vec::with_capacity(1 + self.constraints.len());
         values.push(objective);
-        values.extend_from_slice(&self.constraints);
+        values.extend(
+            self.constraints
+                .iter()
+                .zip(&self.relief)
+                .map(|(&c, &relief)| self.relieved(c, relief).0),
+        );
         values
     }
 

@@ -49,12 +49,19 @@ pub fn start<P: Problem>(problem: &P, settings: &Settings, key: u64, index: usiz
             dimension,
             batch * count..(batch + 1) * count,
         );
-        let mut ranked: Vec<(Value, &[f64])> = Vec::with_capacity(count);
+        let mut sample = Vec::with_capacity(count);
         for point in points.chunks_exact(dimension) {
             if evaluator.remaining() == 0 {
                 break;
             }
-            let value = evaluator.evaluate(point);
+            sample.push(evaluator.sampled(point));
+        }
+        if batch == 0 {
+            evaluator.relieve(&mut sample);
+        }
+        let mut ranked: Vec<(Value, &[f64])> = Vec::with_capacity(count);
+        for one in &sample {
+            let (value, point) = (one.value, one.coordinates);
             let place = ranked.partition_point(|(other, _)| !evaluator.prefers(value, *other));
             ranked.insert(place, (value, point));
         }
@@ -239,7 +246,7 @@ fn finish<P: Problem>(
     let certificate = minimax.certify(&mut evaluator, &coordinates, value);
     let status = if value.is_failed() {
         StartStatus::Failed
-    } else if value.violation > evaluator.settings.feasibility {
+    } else if evaluator.violation() > evaluator.settings.feasibility {
         StartStatus::Infeasible
     } else if certificate.is_some_and(|length| length <= CERTIFIED) {
         StartStatus::Certified
@@ -249,12 +256,13 @@ fn finish<P: Problem>(
         StartStatus::Converged
     };
     let evaluations = evaluator.evaluations;
+    let violation = evaluator.violation();
     let (point, constraints) = evaluator.into_best();
     StartResult {
         point,
         objective: value.objective,
         constraints,
-        violation: value.violation,
+        violation,
         evaluations,
         status,
         certificate,

@@ -496,3 +496,48 @@ proptest! {
         }
     }
 }
+
+/// The least x + y with x y >= 1 and x >= 1.25, the first written as a shortfall that may be 1e-9: violations of everyday
+/// points are 1e8 of their bound and would drown the other constraint.
+struct Shortfall {
+    variables: Vec<Variable>,
+}
+
+impl Problem for Shortfall {
+    type Scratch = ();
+
+    fn scratch(&self) {}
+
+    fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    fn constraints(&self) -> usize {
+        2
+    }
+
+    fn evaluate(&self, x: &[f64], constraints: &mut [f64], (): &mut ()) -> f64 {
+        constraints[0] = (1.0 - x[0] * x[1]).max(0.0) / 1e-9 - 1.0;
+        constraints[1] = 1.25 - x[0];
+        x[0] + x[1]
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
+    }
+}
+
+/// Differences see one side of the shortfall's kink, and a simplex ends: 1e-4, by which starts agree.
+#[test]
+fn a_bound_near_zero_is_weighed_with_the_others() {
+    let problem = Shortfall {
+        variables: linear(&[(0.0, 4.0), (0.0, 4.0)]),
+    };
+    for seed in 1..5 {
+        let outcome = search(&problem, &settings(&problem, seed), 1);
+        assert_optimum("shortfall", &outcome, 2.05, 1e-4);
+        let mut constraints = [0.0; 2];
+        problem.evaluate(&outcome.point, &mut constraints, &mut ());
+        assert!(constraints.iter().all(|c| *c <= 1e-6), "{constraints:?}");
+    }
+}

@@ -246,6 +246,11 @@ pub const RUN: KeySet = KeySet {
             "transient: relative tolerance of the integration; 1e-8 unless given. What is piecewise linear is propagated exactly.",
         ),
         Key::optional(
+            "most_steps",
+            Shape::Integer,
+            "transient: most steps of the integration, 100000 unless given. A run that would need more gives no numbers: one device with a mode a million times as fast as the others must not hold up a search.",
+        ),
+        Key::optional(
             "method",
             Shape::Choice(&["automatic", "explicit", "stiff", "stiff oscillating"]),
             "transient: how it is integrated; automatic unless given.",

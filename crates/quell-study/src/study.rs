@@ -167,6 +167,8 @@ pub struct TransientRun {
     pub phases: Vec<PhaseSpec>,
     /// Relative tolerance of the integration.
     pub tolerance: f64,
+    /// Most steps of the integration; a run that needs more has no numbers.
+    pub most_steps: usize,
     /// How it is integrated.
     pub method: Integration,
     /// Where the run is declared.

@@ -404,8 +404,8 @@ fn of_strut(
         let at_rest = 1.0 / stiffness + 1.0 / TYRE;
         return square(0.5 * (low + high)).sqrt().max(at_rest);
     }
-    // Simpson's rule over ω = 40 tan θ, as above. At θ = 0 the integrand vanishes; at the other end that of J1 does, and that
-    // of J3 goes to kt²/ω² times dω/dθ = 40/cos² θ, which is kt²/40.
+    // Simpson's rule over ω = 40 tan θ, as above. At θ = 0 the integrand vanishes; at the other end, where dω/dθ = 40/cos² θ, what
+    // falls with a/ω leaves a²/40: the tyre load with a = kt, the body's speed where an inerter alone leads from the wheel to it.
     let n = 20_000;
     let step = std::f64::consts::FRAC_PI_2 / f64::from(n);
     let inner: f64 = (1..n)
@@ -415,12 +415,12 @@ fn of_strut(
             weight * square(40.0 * theta.tan()) * 40.0 / theta.cos().powi(2)
         })
         .sum();
-    let end = if measure == Measure::J3 {
-        TYRE * TYRE / 40.0
-    } else {
-        0.0
+    let falls = match measure {
+        Measure::J3 => TYRE,
+        _ if layout == "b1 | c1" => b * TYRE / (SPRUNG * UNSPRUNG + b * (SPRUNG + UNSPRUNG)),
+        _ => 0.0,
     };
-    let norm_squared = (inner + end) * step / 3.0 / std::f64::consts::PI;
+    let norm_squared = (inner + falls * falls / 40.0) * step / 3.0 / std::f64::consts::PI;
     2.0 * std::f64::consts::PI * (25.0 * 5e-7 * norm_squared).sqrt()
 }
 

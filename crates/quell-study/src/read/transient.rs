@@ -11,7 +11,7 @@ use crate::keys;
 use crate::study::{EndEvent, Excitation, Integration, PhaseSpec, Run, StartAt, TransientRun};
 
 /// The keys of a run in time, in which configurations may differ.
-pub(super) const KEYS: [&str; 8] = [
+pub(super) const KEYS: [&str; 9] = [
     "duration",
     "inputs",
     "end",
@@ -19,6 +19,7 @@ pub(super) const KEYS: [&str; 8] = [
     "start",
     "phases",
     "tolerance",
+    "most_steps",
     "method",
 ];
 
@@ -42,6 +43,7 @@ pub(super) fn run(
         inputs: IndexMap::new(),
         phases: Vec::new(),
         tolerance: 1e-8,
+        most_steps: 100_000,
         method: Integration::Automatic,
         span,
     };
@@ -104,6 +106,14 @@ pub(super) fn set(
                         .fault("nothing ends this phase, and another follows")
                         .help("add `until = \"…\"`"));
                 }
+            }
+        }
+        "most_steps" => {
+            run.most_steps = value.as_count()?;
+            if run.most_steps == 0 {
+                return Err(value
+                    .fault("a run takes at least one step")
+                    .help("leave `most_steps` out for 100000"));
             }
         }
         "tolerance" => {

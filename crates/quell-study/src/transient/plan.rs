@@ -360,6 +360,7 @@ impl TransientPlan {
             Integration::StiffOscillating => Method::StiffOscillating,
         });
         settings.relative = run.tolerance;
+        settings.step_limit = run.most_steps;
         if let Some(beyond) = &run.beyond {
             settings.continuation = seconds(beyond)?;
         }
@@ -481,7 +482,9 @@ impl Carried {
 
 fn in_words(end: &End, t: f64) -> String {
     match end {
-        End::StepLimit => format!("the integration took too many steps, and is at {t} s"),
+        End::StepLimit => format!(
+            "the integration has taken `most_steps` steps of the run, and is at {t} s: something moves very fast, or `most_steps` is too small"
+        ),
         End::Diverged => format!("the motion grows beyond all bounds at {t} s"),
         End::Chattering { .. } => format!(
             "at {t} s the motion would slide along a jump of the equations, which is not supported: smooth the jump"
