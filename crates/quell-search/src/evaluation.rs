@@ -164,7 +164,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             .iter()
             .zip(&self.relief)
             .fold(0.0_f64, |worst, (&c, &relief)| {
-                worst.max(self.relieved(c, relief).0)
+                worst.max(self.relieved(c, relief))
             });
         Value {
             objective,
@@ -175,18 +175,19 @@ impl<'a, P: Problem> Evaluator<'a, P> {
     /// A constraint as the search weighs it, and by what its slope is divided.
     ///
     /// A bound near zero, `regrowth <= 1e-9` say, makes violations of 1e7 of everyday values: no other constraint would
-    /// count beside it, and no penalty would fit. What is feasible stays so.
-    fn relieved(&self, constraint: f64, relief: f64) -> (f64, f64) {
+    /// count beside it, no penalty would fit, and the slack of a whole bound on the feasible side would make differences
+    /// across its edge steep. What is feasible stays so.
+    fn relieved(&self, constraint: f64, relief: f64) -> f64 {
         let allowed = 0.01 * self.settings.feasibility;
-        if constraint > allowed && relief > 1.0 {
-            (allowed + (constraint - allowed) / relief, relief)
+        if relief > 1.0 {
+            allowed + (constraint - allowed) / relief
         } else {
-            (constraint, 1.0)
+            constraint
         }
     }
 
     /// Weighs constraints by a sample of the box: one that is missed by over ten times its bound at half of the points that
-    /// miss it is divided by that. Gives the sample anew, with the best point among it.
+    /// miss it is divided by ten times that. Gives the sample anew, with the best point among it.
     pub(crate) fn relieve(&mut self, sample: &mut [Sampled<'_>]) {
         for j in 0..self.relief.len() {
             let mut missed: Vec<f64> = sample
@@ -198,7 +199,8 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             if let Some(&median) = missed.get(missed.len() / 2)
                 && median > 10.0
             {
-                self.relief[j] = median;
+                // A tenth of the bound is what a sample misses everyday constraints by.
+                self.relief[j] = 10.0 * median;
             }
         }
         if self.relief.iter().all(|relief| *relief == 1.0) {
@@ -293,11 +295,10 @@ impl<'a, P: Problem> Evaluator<'a, P> {
         }
         for (index, value, gradient) in self.raw.iter_constraints() {
             let relief = self.relief.get(index).copied().unwrap_or(1.0);
-            let (value, divisor) = self.relieved(value, relief);
-            let target = pieces.push_constraint(index, value);
+            let target = pieces.push_constraint(index, self.relieved(value, relief));
             scale(target, gradient, &self.point);
             for entry in target {
-                *entry /= divisor;
+                *entry /= relief;
             }
         }
         Some(true)
@@ -360,7 +361,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             self.constraints
                 .iter()
                 .zip(&self.relief)
-                .map(|(&c, &relief)| self.relieved(c, relief).0),
+                .map(|(&c, &relief)| self.relieved(c, relief)),
         );
         values
     }

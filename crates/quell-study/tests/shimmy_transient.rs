@@ -129,6 +129,29 @@ fn tyres_hardly_feel_the_device() {
     }
 }
 
+/// Optima by differential evolution and simplices, to the digits that are printed.
+#[test]
+fn optima_are_reached() {
+    for (task, expected) in [
+        ("C1ap*", 1.308e-2),
+        ("C1as", 74.5e-3),
+        ("C2as", 42.1e-3),
+        ("C2Fp*", 1.127e-2),
+    ] {
+        let Findings::Design(found) = findings(task) else {
+            panic!("`{task}` designs");
+        };
+        let best = &found.designs[0];
+        assert!(best.feasible, "{task}");
+        assert!(
+            best.objective <= expected * 1.0005,
+            "{task}: {} for {expected}",
+            best.objective
+        );
+        assert!(best.starts_agreeing >= 2, "{task}");
+    }
+}
+
 /// Optimise, synthesise, simplify: the best biquadratic for the least damping ratio is the four-element layout of the thesis,
 /// whose own values (1.490e5, 4980, 1002, 13.30) were found by a local search to give 7.90 %.
 #[test]
@@ -137,7 +160,7 @@ fn four_elements_from_the_immittance_route() {
         panic!("it designs");
     };
     let best = &found.designs[0];
-    assert!(best.feasible && best.objective > 0.0789, "{best:?}");
+    assert!(best.feasible && best.objective > 0.0805, "{best:?}");
     let synthesis = &best.synthesis[0];
     assert!(!synthesis.networks.is_empty(), "{}", synthesis.status);
     for network in &synthesis.networks {
@@ -148,7 +171,7 @@ fn four_elements_from_the_immittance_route() {
         .iter()
         .find(|one| one.elements == 4)
         .unwrap();
-    assert!(four.design.objective > 0.0789, "{four:?}");
+    assert!(four.design.objective > 0.0805, "{four:?}");
     // Fewer elements cannot be better than more, but for what the searches leave open.
     for pair in found.simplified.windows(2) {
         assert!(pair[1].elements < pair[0].elements);

@@ -5,8 +5,10 @@
 //! order 8. They are printed to the digits below, which is where the tolerances come from.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
 
+use std::fs;
 use std::path::Path;
 
+use quell_document::Source;
 use quell_study::{Design, Evaluated, Findings, RunSettings, Silent, Study, run};
 
 fn configurations(task: &str) -> Vec<Evaluated> {
@@ -213,11 +215,42 @@ fn improvement(task: &str, design: &Design) -> f64 {
     100.0
         * if task.contains("eta") {
             criteria["eta"] / 0.815 - 1.0
-        } else if task.contains(" F") {
+        } else if task.contains('F') {
             1.0 - criteria["F_max"] / LBF / 6380.3
         } else {
             1.0 - criteria["ss_max"] / FT / 0.5291
         }
+}
+
+/// All eight layouts of a spring, a damper and an inerter beside the static spring: the one that the source proposes comes out
+/// first, with the force of the task that names it.
+#[test]
+fn structure_immittance_finds_the_layout_again() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
+    let path = folder.join("touch-down-routes.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    // Fewer starts than the study asks for: eight layouts are searched.
+    let text = text.replace("kind = \"design\"", "kind = \"design\"\nstarts = 6");
+    let source = Source::new(path.display().to_string(), text);
+    let study = Study::parse(source, &folder).unwrap_or_else(|fault| panic!("{fault:?}"));
+    let settings = RunSettings {
+        tasks: vec!["by structure-immittance".to_owned()],
+        ..RunSettings::default()
+    };
+    let mut outcome = run(&study, &settings, &Silent).unwrap_or_else(|error| panic!("{error:?}"));
+    let Findings::Design(found) = outcome.tasks.remove(0).points.remove(0).findings else {
+        panic!("it designs");
+    };
+    assert_eq!(found.designs.len(), 8);
+    let first = &found.designs[0];
+    let strut = first
+        .configuration
+        .devices
+        .iter()
+        .find(|one| one.name == "strut");
+    assert_eq!(strut.unwrap().designed, "b1 | k1 + c1");
+    let force = improvement("F", first);
+    assert!(first.feasible && force >= 23.57, "{force}");
 }
 
 #[test]
