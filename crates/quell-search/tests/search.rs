@@ -536,6 +536,8 @@ fn a_bound_near_zero_is_weighed_with_the_others() {
     for seed in 1..5 {
         let outcome = search(&problem, &settings(&problem, seed), 1);
         assert_optimum("shortfall", &outcome, 2.05, 1e-4);
+        // Nearly all get there; unweighed, five to nine of twelve do.
+        assert!(outcome.starts_agreeing + 2 >= outcome.starts, "{outcome:?}");
         let mut constraints = [0.0; 2];
         problem.evaluate(&outcome.point, &mut constraints, &mut ());
         assert!(constraints.iter().all(|c| *c <= 1e-6), "{constraints:?}");

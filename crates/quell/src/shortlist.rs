@@ -391,6 +391,10 @@ impl Printer<'_> {
         }
         if found.rank == 1 {
             // Of the others the report tells.
+            let taken = one.details.iter().filter_map(|(name, detail)| {
+                Some(format!("`{name}` is the {}", detail.taken.as_ref()?))
+            });
+            under.extend(taken);
             under.extend(found.remarks.iter().cloned());
         }
         table.row(cells, under);
