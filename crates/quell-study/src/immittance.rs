@@ -280,7 +280,7 @@ impl Form {
             Self::Biquadratic => (vec![k, c + least, b], vec![rho, 1.0, tau]),
             Self::BiquadraticInerter => (vec![k, c + least, b], vec![rho, 1.0]),
             Self::Bicubic => {
-                let cubic = Cubic::of(&of);
+                let cubic = Cubic::of(of);
                 let [a2, a1, a0] = cubic.denominator;
                 let [n2, n1, n0] = cubic.numerator.map(|entry| c * entry);
                 (vec![n0, n1, n2, c], vec![a0, a1, a2, 1.0])

@@ -70,7 +70,7 @@ fn tolerances(study: &Study, situation: &Situation) -> Result<(), Fault> {
         let fault = Fault::at(&study.source, span, message);
         let mut names: Vec<&str> = known.iter().map(String::as_str).collect();
         names.sort_unstable();
-        return Err(match nearest(name, names.into_iter()) {
+        return Err(match nearest(name, names) {
             Some(near) => fault.help(format!("did you mean `{near}`?")),
             None => fault.help("tolerances name values as `bounds` do: `{ k = \"5 %\" }`"),
         });
