@@ -24,6 +24,7 @@ pub(crate) struct Condensed {
     pub(crate) a: Vec<f64>,
     pub(crate) b: Vec<f64>,
     work: Vec<f64>,
+    sums: Vec<f64>,
 }
 
 impl Condensed {
@@ -38,6 +39,7 @@ impl Condensed {
         self.a.resize(n * n, 0.0);
         self.b.resize(n * n, 0.0);
         self.work.resize(2 * n * 3 * n, 0.0);
+        self.sums.resize(3 * n, 0.0);
     }
 
     pub(crate) fn inner(&self) -> usize {
@@ -81,12 +83,14 @@ impl Condensed {
         let n = self.n;
         let w = 3 * n;
         let mut work = std::mem::take(&mut self.work);
+        let mut sums = std::mem::take(&mut self.sums);
+        let (mut first, mut last) = (std::mem::take(&mut self.a), std::mem::take(&mut self.b));
         for r in 0..n {
             let (a, b) = self.ends(0, r);
-            let (a, b) = (a.to_vec(), b.to_vec());
-            self.a[r * n..(r + 1) * n].copy_from_slice(&a);
-            self.b[r * n..(r + 1) * n].copy_from_slice(&b);
+            first[r * n..(r + 1) * n].copy_from_slice(a);
+            last[r * n..(r + 1) * n].copy_from_slice(b);
         }
+        (self.a, self.b) = (first, last);
         for i in 1..self.count {
             // Rows [B | A | 0] of what is carried and [A_i | 0 | B_i] of the next interval.
             for r in 0..n {
@@ -104,7 +108,6 @@ impl Condensed {
             }
             let reflectors = &mut self.reflectors[(i - 1) * 2 * n * n..i * 2 * n * n];
             let betas = &mut self.betas[(i - 1) * n..i * n];
-            let mut sums = [0.0; 128];
             for k in 0..n {
                 let v = &mut reflectors[k * 2 * n..(k + 1) * 2 * n];
                 v.fill(0.0);
@@ -121,24 +124,9 @@ impl Condensed {
                 v[k] = head;
                 let beta = if norm > 0.0 { 2.0 / norm } else { 0.0 };
                 betas[k] = beta;
-                let columns = w - k - 1;
-                if columns <= sums.len() {
-                    let sums = &mut sums[..columns];
-                    sums.fill(0.0);
-                    for r in k..2 * n {
-                        axpy(v[r], &work[r * w + k + 1..(r + 1) * w], sums);
-                    }
-                    for r in k..2 * n {
-                        axpy(-beta * v[r], sums, &mut work[r * w + k + 1..(r + 1) * w]);
-                    }
-                } else {
-                    for c in k + 1..w {
-                        let s: f64 = (k..2 * n).map(|r| v[r] * work[r * w + c]).sum();
-                        for r in k..2 * n {
-                            work[r * w + c] -= beta * s * v[r];
-                        }
-                    }
-                }
+                let sums = &mut sums[..w - k - 1];
+                sums.fill(0.0);
+                reflect(&v[k..], beta, &mut work[k * w..], w, k + 1, sums);
                 work[k * w + k] = alpha;
             }
             self.merged[(i - 1) * n * w..i * n * w].copy_from_slice(&work[..n * w]);
@@ -148,7 +136,7 @@ impl Condensed {
                 self.b[r * n..(r + 1) * n].copy_from_slice(&row[2 * n..]);
             }
         }
-        self.work = work;
+        (self.work, self.sums) = (work, sums);
     }
 
     /// Carries a right-hand side (N m n, overwritten) to the last equations.
@@ -332,37 +320,99 @@ impl Condensed {
     }
 }
 
+/// (I - β v vᵀ) on the columns from `from` of as many rows of `w` columns as v has entries; `sums` begins at zero.
+fn reflect(v: &[f64], beta: f64, rows: &mut [f64], w: usize, from: usize, sums: &mut [f64]) {
+    let n = sums.len();
+    let mut groups = v.chunks_exact(4);
+    let mut blocks = rows.chunks_exact(4 * w);
+    for (v, block) in groups.by_ref().zip(blocks.by_ref()) {
+        let at = |k: usize| &block[k * w + from..k * w + from + n];
+        let (a, b, c, d) = (at(0), at(1), at(2), at(3));
+        for j in 0..n {
+            sums[j] += ((v[0] * a[j] + v[1] * b[j]) + v[2] * c[j]) + v[3] * d[j];
+        }
+    }
+    let done = v.len() - groups.remainder().len();
+    for (v, row) in groups.remainder().iter().zip(rows[done * w..].chunks_exact(w)) {
+        axpy(*v, &row[from..from + n], sums);
+    }
+    for (v, row) in v.iter().zip(rows.chunks_exact_mut(w)) {
+        axpy(-beta * v, sums, &mut row[from..from + n]);
+    }
+}
+
+/// Columns that are eliminated together, so that what lies to their right is read and written once for all of them.
+const PANEL: usize = 4;
+
 /// Gaussian elimination of the first q columns of a row-major block of w columns.
 fn eliminate(block: &mut [f64], w: usize, q: usize, pivots: &mut [usize]) -> bool {
     let rows = block.len() / w;
-    for k in 0..q {
-        let mut pivot = k;
-        let mut best = block[k * w + k].abs();
-        for r in k + 1..rows {
-            let size = block[r * w + k].abs();
-            if size > best {
-                best = size;
-                pivot = r;
+    let mut first = 0;
+    while first < q {
+        let end = (first + PANEL).min(q);
+        for k in first..end {
+            let mut pivot = k;
+            let mut best = block[k * w + k].abs();
+            for r in k + 1..rows {
+                let size = block[r * w + k].abs();
+                if size > best {
+                    best = size;
+                    pivot = r;
+                }
+            }
+            pivots[k] = pivot;
+            if !(best > 0.0 && best.is_finite()) {
+                return false;
+            }
+            let (top, bottom) = block.split_at_mut((k + 1) * w);
+            let here = &mut top[k * w..];
+            if pivot != k {
+                here.swap_with_slice(&mut bottom[(pivot - k - 1) * w..(pivot - k) * w]);
+            }
+            let inverse = 1.0 / here[k];
+            let tail = &here[k + 1..end];
+            for row in bottom.chunks_exact_mut(w) {
+                let l = row[k] * inverse;
+                row[k] = l;
+                for (x, y) in row[k + 1..end].iter_mut().zip(tail) {
+                    *x -= l * y;
+                }
             }
         }
-        pivots[k] = pivot;
-        if !(best > 0.0 && best.is_finite()) {
-            return false;
-        }
-        let (top, bottom) = block.split_at_mut((k + 1) * w);
-        let here = &mut top[k * w..];
-        if pivot != k {
-            here.swap_with_slice(&mut bottom[(pivot - k - 1) * w..(pivot - k) * w]);
-        }
-        let inverse = 1.0 / here[k];
-        let tail = &here[k + 1..w];
-        for row in bottom.chunks_exact_mut(w) {
-            let l = row[k] * inverse;
-            row[k] = l;
-            for (x, y) in row[k + 1..].iter_mut().zip(tail) {
-                *x -= l * y;
+        for k in first + 1..end {
+            let (top, bottom) = block.split_at_mut(k * w);
+            let (multipliers, tail) = bottom[..w].split_at_mut(end);
+            for (l, above) in multipliers[first..k].iter().zip(first..k) {
+                axpy(-l, &top[above * w + end..(above + 1) * w], tail);
             }
         }
+        let (top, bottom) = block.split_at_mut(end * w);
+        if end - first == PANEL {
+            let above: [&[f64]; PANEL] =
+                std::array::from_fn(|k| &top[(first + k) * w + end..(first + k + 1) * w]);
+            for row in bottom.chunks_exact_mut(w) {
+                let (multipliers, tail) = row.split_at_mut(end);
+                let l: [f64; PANEL] = std::array::from_fn(|k| multipliers[first + k]);
+                subtract(l, above, tail);
+            }
+        } else {
+            for row in bottom.chunks_exact_mut(w) {
+                let (multipliers, tail) = row.split_at_mut(end);
+                for k in first..end {
+                    axpy(-multipliers[k], &top[k * w + end..(k + 1) * w], tail);
+                }
+            }
+        }
+        first = end;
     }
     true
+}
+
+/// y -= Σ `l_k` `x_k`, the terms in order.
+fn subtract(l: [f64; PANEL], x: [&[f64]; PANEL], y: &mut [f64]) {
+    let n = y.len();
+    let [a, b, c, d] = x.map(|x| &x[..n]);
+    for j in 0..n {
+        y[j] = (((y[j] - l[0] * a[j]) - l[1] * b[j]) - l[2] * c[j]) - l[3] * d[j];
+    }
 }

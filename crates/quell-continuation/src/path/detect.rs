@@ -103,7 +103,7 @@ impl Corrector<'_> {
         s: f64,
     ) -> Result<Node, Failure> {
         let mut z = segment.guess(s);
-        self.correct(m, &mut z, &segment.row, segment.origin + s, false)?;
+        self.correct(m, &mut z, &segment.row, segment.origin + s, true)?;
         self.node(m, z, &segment.row)
     }
 

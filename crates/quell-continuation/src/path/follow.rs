@@ -305,28 +305,20 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
         let mut tangent = b.tangent.clone();
         let mut z = b.z.clone();
         if m.adapt(&mut z, &mut tangent, trace.nodes.len()) {
+            // The same orbit on another mesh; the next correction is the first that works on it.
             previous = None;
             m.rescale(&z);
-            let row: Vec<f64> = tangent
-                .iter()
-                .zip(m.weights())
-                .map(|(t, w)| t * w)
-                .collect();
-            let target: f64 = row.iter().zip(&z).map(|(r, z)| r * z).sum();
-            let again = corrector
-                .correct(m, &mut z, &row, target, false)
-                .and_then(|_| corrector.node(m, z, &row));
-            match again {
-                Ok(node) => {
-                    m.accept(&node.z);
-                    b = node;
-                    current = true;
-                }
-                Err(failure) => {
-                    trace.stop = failure.into();
-                    return trace;
-                }
+            let size = inner(m.weights(), &tangent, &tangent).sqrt();
+            for t in &mut tangent {
+                *t /= size;
             }
+            b = Node {
+                z,
+                tangent,
+                mesh: m.mesh(),
+                ..b
+            };
+            current = false;
         } else {
             m.rescale(&b.z);
             let size = inner(m.weights(), &b.tangent, &b.tangent).sqrt();

@@ -165,11 +165,19 @@ pub(crate) struct Located {
 
 /// Σ w a b.
 pub(crate) fn inner(w: &[f64], a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for ((w, a), b) in w.iter().zip(a).zip(b) {
-        sum += w * a * b;
+    let mut sums = [0.0; 4];
+    let n = w.len().min(a.len()).min(b.len());
+    let whole = n - n % 4;
+    for k in (0..whole).step_by(4) {
+        let (w, a, b) = (&w[k..k + 4], &a[k..k + 4], &b[k..k + 4]);
+        for i in 0..4 {
+            sums[i] += w[i] * a[i] * b[i];
+        }
     }
-    sum
+    for k in whole..n {
+        sums[0] += w[k] * a[k] * b[k];
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
 /// The direction of the other branch at a branch point: a null vector of [F_z; row] by inverse iteration, made orthogonal
