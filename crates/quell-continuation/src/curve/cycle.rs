@@ -12,8 +12,9 @@ use crate::dense::{Spectrum, dot};
 use crate::kind::Kind;
 use crate::orbit::bordered::{Bordered, Row};
 use crate::orbit::collocation::Collocation;
+use crate::orbit::frame::{self, Frame};
 use crate::orbit::manifold::orbit;
-use crate::orbit::{Orbit, floquet, mesh, small_cycle, unpack};
+use crate::orbit::{Orbit, floquet, small_cycle, unpack};
 use crate::path::{Failure, Found, Label, Manifold, Node, Start, Trigger, follow_both};
 use crate::problem::Problem;
 use crate::settings::{ContinuationError, Settings, Stop};
@@ -169,32 +170,26 @@ struct Curves<'a> {
     mode: Mode,
     settings: &'a Settings,
     bordered: Bordered,
-    /// Only for the phase row's own reduction.
-    phase: Row,
-    anchor: f64,
+    frame: Frame,
     variation: Variation,
     columns: Vec<Vec<f64>>,
     arclength: Row,
     weights: Vec<f64>,
-    scale: f64,
     largest: f64,
 }
 
 impl<'a> Curves<'a> {
     fn new(c: Collocation<'a>, mode: Mode, settings: &'a Settings) -> Self {
-        let scale = settings.state_scale;
         Self {
             c,
             mode,
             settings,
             bordered: Bordered::default(),
-            phase: Row::default(),
-            anchor: 0.0,
+            frame: Frame::new(settings.state_scale),
             variation: Variation::default(),
             columns: Vec::new(),
             arclength: Row::default(),
             weights: Vec::new(),
-            scale,
             largest: 0.0,
         }
     }
@@ -264,7 +259,7 @@ impl<'a> Curves<'a> {
         let mut row = vec![0.0; 2 * self.c.n];
         self.c
             .condensed
-            .reduce_row(&self.phase.nodes, &mut inner, &mut mids, &mut row);
+            .reduce_row(&self.frame.phase.nodes, &mut inner, &mut mids, &mut row);
         let (data, column_mids, _) = self.bordered.column(0);
         let corner = -self
             .c
@@ -330,7 +325,7 @@ impl Manifold for Curves<'_> {
         self.c.residual(&stripped, out)?;
         let mut at = self.c.nodes();
         if self.c.autonomous {
-            out[at] = dot(&self.phase.nodes, &z[..self.c.nodes()]) - self.anchor;
+            out[at] = self.frame.offset(&z[..self.c.nodes()]);
             at += 1;
         }
         // g is that of the factorisation, which is always at this z.
@@ -354,7 +349,7 @@ impl Manifold for Curves<'_> {
         if !fine {
             return Err(Failure::NotFinite);
         }
-        self.variation.differentiate(&self.c, mu, self.scale);
+        self.variation.differentiate(&self.c, mu, self.frame.scale);
         // Kept for the border rows.
         self.arclength.ends = vec![z.get(self.angle_index()).copied().unwrap_or(0.0)];
         Ok(())
@@ -367,7 +362,7 @@ impl Manifold for Curves<'_> {
         z[self.angle_index()] = angle;
         let mut rows: Vec<Row> = Vec::with_capacity(4);
         if self.c.autonomous {
-            let mut phase = self.phase.clone();
+            let mut phase = self.frame.phase.clone();
             phase.ends = vec![0.0; row.len() - nodes];
             rows.push(phase);
         }
@@ -400,27 +395,7 @@ impl Manifold for Curves<'_> {
     }
 
     fn rescale(&mut self, z: &[f64]) {
-        let n = self.c.n;
-        let w = self.c.weights();
-        let square: f64 = w
-            .iter()
-            .zip(z.chunks_exact(n))
-            .map(|(w, x)| w * dot(x, x))
-            .sum();
-        let rms = (square / n as f64).sqrt();
-        if rms.is_finite() {
-            self.scale = self.scale.max(rms);
-        }
-        let s = 1.0 / (self.scale * self.scale * n as f64);
-        self.weights.clear();
-        for w in w {
-            for _ in 0..n {
-                self.weights.push(w * s);
-            }
-        }
-        if self.c.autonomous {
-            self.weights.push(z[self.c.nodes()].powi(-2));
-        }
+        self.frame.weigh(&self.c, z, &mut self.weights);
         if self.torus() {
             self.weights.push(0.1);
         }
@@ -514,40 +489,19 @@ impl Manifold for Curves<'_> {
         Some(label)
     }
 
-    fn adapt(&mut self, z: &mut Vec<f64>, tangent: &mut Vec<f64>, count: usize) -> bool {
-        let s = &self.settings.mesh;
-        if s.every == 0 || !count.is_multiple_of(s.every) {
-            return false;
+    fn adapt(&mut self, z: &mut Vec<f64>, tangents: &mut [Vec<f64>], count: usize) -> bool {
+        // The sign of w is kept by time, so it outlives the mesh.
+        let moved = frame::adapt(&mut self.c, &self.settings.mesh, z, tangents, count);
+        if moved {
+            self.accept(z);
         }
-        let (new, worst) = mesh::equidistribute(&self.c, z, s);
-        if new.len() == self.c.mesh.len() && s.bounds.0 != s.bounds.1 && worst < s.tolerance {
-            return false;
-        }
-        let nodes = self.c.nodes();
-        let still = vec![0.0; self.c.n];
-        let mut new_z = mesh::transfer(&self.c, z, &self.c.winding, &new);
-        let mut new_t = mesh::transfer(&self.c, tangent, &still, &new);
-        new_z.extend_from_slice(&z[nodes..]);
-        new_t.extend_from_slice(&tangent[nodes..]);
-        *z = new_z;
-        *tangent = new_t;
-        self.c.set_mesh(new);
-        self.accept(z);
-        // (The sign of w was kept on the old mesh, by time.)
-        true
+        moved
     }
 
     fn accept(&mut self, z: &[f64]) {
         self.variation.refresh();
         self.variation.keep_sign(&self.c);
-        if !self.c.autonomous {
-            return;
-        }
-        let row = self.c.phase_row(z);
-        let size = dot(&row, &row).sqrt().max(1e-300);
-        self.phase.nodes = row.iter().map(|x| x / size).collect();
-        self.phase.ends = vec![0.0; self.c.borders()];
-        self.anchor = dot(&self.phase.nodes, &z[..self.c.nodes()]);
+        self.frame.anchor(&self.c, z);
     }
 
     fn restart(&mut self, node: &Node) {

@@ -328,7 +328,11 @@ fn reflect(v: &[f64], beta: f64, rows: &mut [f64], w: usize, from: usize, sums: 
         }
     }
     let done = v.len() - groups.remainder().len();
-    for (v, row) in groups.remainder().iter().zip(rows[done * w..].chunks_exact(w)) {
+    for (v, row) in groups
+        .remainder()
+        .iter()
+        .zip(rows[done * w..].chunks_exact(w))
+    {
         axpy(*v, &row[from..from + n], sums);
     }
     for (v, row) in v.iter().zip(rows.chunks_exact_mut(w)) {
@@ -352,9 +356,10 @@ fn eliminate(
     let mut first = 0;
     while first < q {
         let end = (first + PANEL).min(q);
-        for (r, row) in block.chunks_exact(w).enumerate().skip(first) {
-            for (c, x) in row[first..end].iter().enumerate() {
-                panel[c * rows + r] = *x;
+        for (c, column) in panel.chunks_exact_mut(rows).take(end - first).enumerate() {
+            let from = block[first + c..].iter().step_by(w);
+            for (x, y) in column.iter_mut().zip(from).skip(first) {
+                *x = *y;
             }
         }
         for k in first..end {
@@ -395,9 +400,10 @@ fn eliminate(
                 axpy(-head[k], multipliers, tail);
             }
         }
-        for (r, row) in block.chunks_exact_mut(w).enumerate().skip(first) {
-            for (c, x) in row[first..end].iter_mut().enumerate() {
-                *x = panel[c * rows + r];
+        for (c, column) in panel.chunks_exact(rows).take(end - first).enumerate() {
+            let to = block[first + c..].iter_mut().step_by(w);
+            for (x, y) in to.zip(column).skip(first) {
+                *x = *y;
             }
         }
         for k in first + 1..end {

@@ -300,18 +300,20 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
         step = (step * by_angle.min(by_newton).clamp(0.4, 1.6))
             .min(settings.maximum_step)
             .max(settings.minimum_step);
-        previous = Some((a.tangent, length));
         m.accept(&b.z);
-        let mut tangent = b.tangent.clone();
+        let mut tangents = [b.tangent.clone(), a.tangent];
         let mut z = b.z.clone();
-        if m.adapt(&mut z, &mut tangent, trace.nodes.len()) {
+        if m.adapt(&mut z, &mut tangents, trace.nodes.len()) {
             // The same orbit on another mesh; the next correction is the first that works on it.
-            previous = None;
             m.rescale(&z);
-            let size = inner(m.weights(), &tangent, &tangent).sqrt();
-            for t in &mut tangent {
-                *t /= size;
+            for tangent in &mut tangents {
+                let size = inner(m.weights(), tangent, tangent).sqrt();
+                for t in tangent {
+                    *t /= size;
+                }
             }
+            let [tangent, before] = tangents;
+            previous = Some((before, length));
             b = Node {
                 z,
                 tangent,
@@ -320,6 +322,8 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
             };
             current = false;
         } else {
+            let [_, before] = tangents;
+            previous = Some((before, length));
             m.rescale(&b.z);
             let size = inner(m.weights(), &b.tangent, &b.tangent).sqrt();
             for t in &mut b.tangent {

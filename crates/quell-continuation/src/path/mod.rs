@@ -66,8 +66,8 @@ pub(crate) trait Manifold {
     }
     /// What a located zero is, or None where it is nothing.
     fn classify(&mut self, found: &Found<'_>) -> Option<Label>;
-    /// Adapts the representation (mesh) at an accepted point; true if z and the tangent changed.
-    fn adapt(&mut self, _z: &mut Vec<f64>, _tangent: &mut Vec<f64>, _count: usize) -> bool {
+    /// Adapts the representation (mesh) at an accepted point; true if z and the tangents changed.
+    fn adapt(&mut self, _z: &mut Vec<f64>, _tangents: &mut [Vec<f64>], _count: usize) -> bool {
         false
     }
     /// Called at every accepted point (phase reference).
