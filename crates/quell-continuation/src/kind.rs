@@ -12,10 +12,19 @@ pub enum Kind {
     /// Branch point of equilibria.
     BranchPoint,
     /// Fold of cycles.
+    ///
+    /// Normal form: |b| of dξ/dt = b ξ², dτ/dt = 1 - σ ξ along x = x₀(τ) + ξ v(τ) + …, where v' = A v + σ f has period T, is
+    /// free of the flow (∫⟨v, f⟩ = 0) and the mean of |v|² over a period is one. Units: 1/s for each unit of the states.
     CycleFold,
     /// Period doubling.
+    ///
+    /// Normal form: c of dξ/dt = c ξ³, dτ/dt = 1 + a ξ² along x = x₀(τ) + ξ v(τ) + …, where v' = A v, v(T) = -v(0) and the
+    /// mean of |v|² is one. Negative: the doubled cycles are born stable.
     PeriodDoubling,
     /// Torus (Neimark-Sacker).
+    ///
+    /// Normal form: Re d and Im d of dξ/dt = d ξ |ξ|², dτ/dt = 1 + a |ξ|² along x = x₀(τ) + ξ v(τ) + ξ̄ v̄(τ) + …, where v' = A v,
+    /// v(T) = exp(iθ) v(0) and the mean of |v|² is one. Re d negative: the torus is born stable.
     Torus,
     /// Branch point of cycles: a multiplier passes +1 without a fold.
     CycleBranchPoint,

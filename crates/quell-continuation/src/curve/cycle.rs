@@ -6,7 +6,7 @@
 
 use num_complex::Complex64;
 
-use super::variation::{Mode, Variation};
+use super::variation::{Mode, ReducedPhase, Variation};
 use crate::branch::{Branch, Special, assemble};
 use crate::dense::{Spectrum, dot};
 use crate::kind::Kind;
@@ -250,22 +250,10 @@ impl<'a> Curves<'a> {
         out
     }
 
-    /// The phase row reduced on the linearisation at hand: (row, corner, multipliers inside, multipliers between).
-    fn reduced_phase(&self) -> Option<(Vec<f64>, f64, Vec<f64>, Vec<f64>)> {
-        if !(self.c.autonomous && self.mode == Mode::Fold) {
-            return None;
-        }
-        let (mut inner, mut mids) = (Vec::new(), Vec::new());
-        let mut row = vec![0.0; 2 * self.c.n];
-        self.c
-            .condensed
-            .reduce_row(&self.frame.phase.nodes, &mut inner, &mut mids, &mut row);
-        let (data, column_mids, _) = self.bordered.column(0);
-        let corner = -self
-            .c
-            .condensed
-            .eliminated(&inner, &mids, data, column_mids);
-        Some((row, corner, inner, mids))
+    /// The phase row reduced on the linearisation at hand, where the critical system needs it.
+    fn reduced_phase(&self) -> Option<ReducedPhase> {
+        (self.c.autonomous && self.mode == Mode::Fold)
+            .then(|| ReducedPhase::of(&self.c, &self.bordered, &self.frame.phase.nodes))
     }
 
     fn linearise(&mut self, z: &[f64]) -> Result<(), Failure> {
@@ -288,12 +276,8 @@ impl<'a> Curves<'a> {
         self.linearise(z)?;
         let phase = self.reduced_phase();
         let mu = self.multiplier(z);
-        self.variation.begin(
-            &self.c,
-            &self.bordered,
-            mu,
-            phase.as_ref().map(|p| (&p.0[..], p.1)),
-        );
+        self.variation
+            .begin(&self.c, &self.bordered, mu, phase.as_ref());
         Ok(())
     }
 
@@ -340,12 +324,9 @@ impl Manifold for Curves<'_> {
         self.linearise(z)?;
         let phase = self.reduced_phase();
         let mu = self.multiplier(z);
-        let fine = self.variation.solve(
-            &self.c,
-            &self.bordered,
-            mu,
-            phase.as_ref().map(|p| (&p.0[..], p.1, &p.2[..], &p.3[..])),
-        );
+        let fine = self
+            .variation
+            .solve(&self.c, &self.bordered, mu, phase.as_ref());
         if !fine {
             return Err(Failure::NotFinite);
         }

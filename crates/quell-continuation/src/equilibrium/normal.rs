@@ -10,6 +10,7 @@ type C = Complex64;
 /// Multilinear forms of f at a point, extended to complex vectors.
 pub(crate) struct Forms<'a> {
     pub(crate) problem: &'a dyn Problem,
+    pub(crate) t: f64,
     pub(crate) x: &'a [f64],
     pub(crate) p: &'a [f64],
 }
@@ -33,7 +34,7 @@ impl Forms<'_> {
                 if a.iter().all(|x| *x == 0.0) || b.iter().all(|x| *x == 0.0) {
                     continue;
                 }
-                if !self.problem.second(0.0, self.x, self.p, a, b, &mut part) {
+                if !self.problem.second(self.t, self.x, self.p, a, b, &mut part) {
                     return None;
                 }
                 let unit = C::i().powu((i + j) as u32);
@@ -57,7 +58,10 @@ impl Forms<'_> {
                     if [a, b, c].iter().any(|v| v.iter().all(|x| *x == 0.0)) {
                         continue;
                     }
-                    if !self.problem.third(0.0, self.x, self.p, a, b, c, &mut part) {
+                    if !self
+                        .problem
+                        .third(self.t, self.x, self.p, a, b, c, &mut part)
+                    {
                         return None;
                     }
                     let unit = C::i().powu((i + j + k) as u32);
@@ -115,7 +119,12 @@ pub(crate) fn hopf(
     omega: f64,
 ) -> Option<f64> {
     let n = x.len();
-    let forms = Forms { problem, x, p };
+    let forms = Forms {
+        problem,
+        t: 0.0,
+        x,
+        p,
+    };
     let (q, w) = critical(n, a, omega);
     let qc = conj(&q);
     let cubic = forms.third(&q, &q, &qc)?;

@@ -7,6 +7,8 @@ use super::collocation::Collocation;
 use super::cycle::Orbit;
 use super::floquet;
 use super::frame::{self, Frame};
+use super::normal;
+use crate::curve::Mode;
 use crate::dense::{Spectrum, dot};
 use crate::kind::Kind;
 use crate::monitor::View;
@@ -57,6 +59,17 @@ impl<'a> Cycles<'a> {
             crate::dense::axpy(-1.0, &mean, x);
         }
         out
+    }
+}
+
+impl Cycles<'_> {
+    /// Coefficients at a special point; empty where they cannot be had.
+    fn normal_form(&mut self, node: &Node, mode: Mode, angle: f64) -> Vec<f64> {
+        if self.c.problem.is_approximate() || self.factor(&node.z).is_err() {
+            return Vec::new();
+        }
+        let phase = &self.frame.phase.nodes;
+        normal::coefficients(&self.c, &self.bordered, phase, mode, angle).unwrap_or_default()
     }
 }
 
@@ -212,11 +225,15 @@ impl Manifold for Cycles<'_> {
         };
         if v.im.abs() > 1e-6 {
             let mut label = Label::plain(Kind::Torus);
-            label.omega = Some(v.arg().abs());
+            let angle = v.arg().abs();
+            label.omega = Some(angle);
+            label.normal_form = self.normal_form(found.node, Mode::Torus, angle);
             return Some(label);
         }
         if v.re < 0.0 {
-            return Some(Label::plain(Kind::PeriodDoubling));
+            let mut label = Label::plain(Kind::PeriodDoubling);
+            label.normal_form = self.normal_form(found.node, Mode::Doubling, std::f64::consts::PI);
+            return Some(label);
         }
         // A family without a moving parameter has multiplier one all along.
         let near = |n: &Node| {
@@ -231,12 +248,13 @@ impl Manifold for Cycles<'_> {
             return None;
         }
         let p = self.c.first_parameter();
-        let turns = found.before.tangent[p] * found.after.tangent[p] < 0.0;
-        Some(Label::plain(if turns {
-            Kind::CycleFold
+        if found.before.tangent[p] * found.after.tangent[p] < 0.0 {
+            let mut label = Label::plain(Kind::CycleFold);
+            label.normal_form = self.normal_form(found.node, Mode::Fold, 0.0);
+            Some(label)
         } else {
-            Kind::CycleBranchPoint
-        }))
+            Some(Label::plain(Kind::CycleBranchPoint))
+        }
     }
 
     fn adapt(&mut self, z: &mut Vec<f64>, tangents: &mut [Vec<f64>], count: usize) -> bool {

@@ -21,6 +21,7 @@ mod curves;
 mod cycles;
 mod diagrams;
 mod equilibria;
+mod normal_forms;
 
 /// Relative agreement.
 pub fn close(found: f64, expected: f64, tolerance: f64) {

@@ -145,6 +145,9 @@ fn named(kind: Kind, coefficients: &[f64]) -> Vec<(&'static str, f64)> {
         // Of either pair by itself.
         Kind::HopfHopf => &["l1", "l1_second"],
         Kind::BogdanovTakens => &["a", "b"],
+        Kind::CycleFold => &["b"],
+        Kind::PeriodDoubling => &["c"],
+        Kind::Torus => &["d", "d_imaginary"],
         _ => &["a", "b", "c", "d"],
     };
     names
