@@ -250,6 +250,7 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
         let mut ended = None;
         if settings.detect {
             let found = corrector.examine(m, &a, &b, trace.nodes.len() - 1);
+            b.remember(m, &a);
             if !found.is_empty() {
                 current = false;
             }

@@ -97,6 +97,8 @@ pub(crate) struct Node {
     pub(crate) spectrum: Spectrum,
     pub(crate) tests: Vec<f64>,
     pub(crate) mesh: Vec<f64>,
+    /// What its eigenvalues were at the point before, and how far away that is; None where their rates are known.
+    pub(crate) history: Option<(Vec<Complex64>, f64)>,
 }
 
 impl Node {
