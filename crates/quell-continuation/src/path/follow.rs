@@ -70,6 +70,7 @@ pub(crate) fn follow_both<M: Manifold>(
                 let target = row[fixed] * z[fixed];
                 match corrector.correct(m, &mut z, &row, target, false) {
                     Ok(_) => {
+                        z[fixed] = guess[fixed];
                         found = Some((z, row));
                         break;
                     }
@@ -119,11 +120,17 @@ pub(crate) fn follow_both<M: Manifold>(
             (corrector.node(m, z, &row)?, true)
         }
     };
-    let forward = if settings.directions == Directions::Backward && !along {
+    let value = node.z[m.parameters()[0]];
+    let wanted = settings.at.contains(&value).then(|| (0, node.clone()));
+    let mut forward = if settings.directions == Directions::Backward && !along {
         empty(&node, Stop::NotAsked)
     } else {
         follow(m, settings, node.clone())
     };
+    // The start itself is met by neither direction.
+    if let Some(start) = wanted {
+        forward.at.insert(0, start);
+    }
     let backward = if settings.directions == Directions::Forward || along {
         empty(&node, Stop::NotAsked)
     } else {

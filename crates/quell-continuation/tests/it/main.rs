@@ -23,6 +23,7 @@ mod cycles;
 mod diagrams;
 mod equilibria;
 mod normal_forms;
+mod rotations;
 
 /// Relative agreement.
 pub fn close(found: f64, expected: f64, tolerance: f64) {

@@ -80,6 +80,18 @@ fn coefficients(rider: Rider, parameters: [f64; 4]) -> (Kind, Vec<f64>) {
     let s = Settings::new(&[(-0.1, 0.1)]);
     let b = cycles_from_samples(&problem, &samples, &p, 0, &s).unwrap();
     assert_eq!(b.special.len(), 1, "{:?}", b.special);
+    // Multipliers by suspension (S15): -exp(2πμ) on the strip, exp(2π(μ ± iω)) beside it.
+    let size = (2.0 * PI * b.points[0].solution.parameters[0]).exp();
+    let expected = match rider {
+        Rider::Flip => num_complex::Complex64::new(-size, 0.0),
+        Rider::Whirl(omega) => num_complex::Complex64::from_polar(size, 2.0 * PI * omega),
+    };
+    let gap = b.points[0]
+        .spectrum
+        .iter()
+        .map(|v| (v - expected).norm())
+        .fold(f64::INFINITY, f64::min);
+    assert!(gap < 1e-8, "{gap:e}");
     assert!(b.special[0].solution.parameters[0].abs() < 1e-8);
     (b.special[0].kind, b.special[0].normal_form.clone())
 }
