@@ -14,7 +14,7 @@ use crate::orbit::bordered::{Bordered, Row};
 use crate::orbit::collocation::Collocation;
 use crate::orbit::frame::{self, Frame};
 use crate::orbit::manifold::orbit;
-use crate::orbit::{Orbit, floquet, small_cycle, unpack};
+use crate::orbit::{Orbit, floquet, normal, small_cycle, unpack};
 use crate::path::{Failure, Found, Label, Manifold, Node, Start, Trigger, follow_both};
 use crate::problem::Problem;
 use crate::settings::{ContinuationError, Settings, Stop};
@@ -34,8 +34,9 @@ pub struct CriticalOrbit {
 
 /// The curve of folds, period doublings or torus points of cycles through such a point, in two parameters.
 ///
-/// Special points: on folds, cusps of cycles and (forced problems) the resonance 1:1; on period doublings the resonance 1:2;
-/// on torus points the resonances 1:1 to 1:4, of which the first two end the curve.
+/// Special points: on folds, cusps of cycles and the resonance 1:1; on period doublings the resonance 1:2 and generalised period
+/// doublings; on torus points the resonances 1:1 to 1:4, of which the first two end the curve, and Chenciner points; on all of them
+/// points where a further multiplier or pair is on the unit circle.
 ///
 /// # Errors
 ///
@@ -281,6 +282,31 @@ impl<'a> Curves<'a> {
         Ok(())
     }
 
+    /// The coefficient whose sign tells which way what is born here is born.
+    fn coefficient(&self, angle: f64) -> f64 {
+        if self.c.problem.is_approximate() {
+            return f64::NAN;
+        }
+        let phase = &self.frame.phase.nodes;
+        normal::coefficients(&self.c, &self.bordered, phase, self.mode, angle)
+            .and_then(|found| found.first().copied())
+            .unwrap_or(f64::NAN)
+    }
+
+    /// What a further multiplier on the unit circle makes of a point.
+    fn other(&self, value: C) -> Option<Kind> {
+        let complex = value.im.abs() > 1e-6;
+        match (self.mode, complex, value.re > 0.0) {
+            // Tests of their own name the strong resonances; an autonomous fold has none for +1.
+            (Mode::Fold, false, true) => self.c.autonomous.then_some(Kind::Resonance1),
+            (Mode::Doubling, false, false) => None,
+            (Mode::Fold, false, false) | (Mode::Doubling, false, true) => Some(Kind::FoldDoubling),
+            (Mode::Fold, true, _) | (Mode::Torus, false, true) => Some(Kind::FoldTorus),
+            (Mode::Doubling, true, _) | (Mode::Torus, false, false) => Some(Kind::DoublingTorus),
+            (Mode::Torus, true, _) => Some(Kind::TorusTorus),
+        }
+    }
+
     /// ∂g with a place for θ.
     fn gradient(&self, z: &[f64], part: usize) -> Row {
         let g = &self.variation.gradient[part];
@@ -427,9 +453,15 @@ impl Manifold for Curves<'_> {
             Mode::Torus => {
                 let angle = z[self.angle_index()];
                 let pi = std::f64::consts::PI;
-                vec![angle, angle - pi, angle - 2.0 * pi / 3.0, angle - 0.5 * pi]
+                vec![
+                    angle,
+                    angle - pi,
+                    angle - 2.0 * pi / 3.0,
+                    angle - 0.5 * pi,
+                    self.coefficient(angle),
+                ]
             }
-            Mode::Doubling => vec![v.by_multiplier.re],
+            Mode::Doubling => vec![v.by_multiplier.re, self.coefficient(std::f64::consts::PI)],
             Mode::Fold => {
                 let mut row = dot(&v.gradient[0].nodes, &v.v[0]);
                 if self.c.autonomous {
@@ -447,14 +479,24 @@ impl Manifold for Curves<'_> {
     }
 
     fn classify(&mut self, found: &Found<'_>) -> Option<Label> {
-        let Trigger::Test(k) = found.trigger else {
-            return None;
+        let k = match found.trigger {
+            Trigger::Test(k) => k,
+            Trigger::Crossing(v) | Trigger::Touch(v) => {
+                return self.other(v).map(|kind| {
+                    let mut label = Label::plain(kind);
+                    label.omega = self.torus().then(|| found.node.z[self.angle_index()]);
+                    label.second_omega = (v.im != 0.0).then(|| v.arg().abs());
+                    label
+                });
+            }
         };
         let kind = match (self.mode, k) {
             (Mode::Torus, 0) | (Mode::Fold, 1) => Kind::Resonance1,
             (Mode::Torus, 1) | (Mode::Doubling, 0) => Kind::Resonance2,
             (Mode::Torus, 2) => Kind::Resonance3,
             (Mode::Torus, 3) => Kind::Resonance4,
+            (Mode::Torus, 4) => Kind::Chenciner,
+            (Mode::Doubling, 1) => Kind::GeneralisedDoubling,
             (Mode::Fold, 0) => Kind::CycleCusp,
             _ => return None,
         };

@@ -8,7 +8,7 @@ pub(crate) mod floquet;
 pub(crate) mod frame;
 pub(crate) mod manifold;
 mod mesh;
-mod normal;
+pub(crate) mod normal;
 mod rule;
 
 use num_complex::Complex64;

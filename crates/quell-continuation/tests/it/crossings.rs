@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 
 use crate::support::{Exact, Field, Real};
-use quell_continuation::{Branch, Certainty, Kind, Orbit, Samples, Settings, cycles_from_samples};
+use quell_continuation::{
+    Branch, Certainty, Kind, Orbit, Samples, Settings, cycle_curve, cycles_from_samples,
+};
 
 /// The cycle r = 1 with two oscillators of rates δ - a p² + b p and frequency ω each beside it; parameters p, δ₁, a₁, b₁, δ₂, a₂, b₂.
 struct Beside;
@@ -97,4 +99,23 @@ fn a_pair_that_touches_where_another_crosses() {
     for (f, e) in at.iter().zip([-1e-3, 0.0, 1e-3]) {
         assert!((f - e).abs() < 1e-6, "{at:?}");
     }
+}
+
+#[test]
+fn two_tori_at_once() {
+    // Rates p and δ₂ of both pairs: on the curve p = 0 of the first pair's tori the second pair joins at δ₂ = 0.
+    let b = branch([0.0, 0.0, 1.0, -0.3, 0.0, 0.0]);
+    let problem = Exact::<_, 6>(Beside);
+    let s = Settings::new(&[(-0.43, 0.4), (-0.4, 0.4)]);
+    let c = cycle_curve(&problem, b.of(Kind::Torus)[0], [0, 4], &s).unwrap();
+    let found: Vec<(Kind, f64)> = c
+        .special
+        .iter()
+        .map(|s| (s.kind, s.solution.orbit.parameters[4]))
+        .collect();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(
+        found[0].0 == Kind::TorusTorus && found[0].1.abs() < 1e-7,
+        "{found:?}"
+    );
 }

@@ -17,11 +17,13 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod codimension;
 mod crossings;
 mod curves;
 mod cycles;
 mod diagrams;
 mod equilibria;
+mod meshes;
 mod normal_forms;
 mod rotations;
 
