@@ -295,6 +295,17 @@ impl<'a> Curves<'a> {
 
     /// What a further multiplier on the unit circle makes of a point.
     fn other(&self, value: C) -> Option<Kind> {
+        let own = C::new(
+            if self.mode == Mode::Doubling {
+                -1.0
+            } else {
+                1.0
+            },
+            0.0,
+        );
+        if self.mode != Mode::Torus && (value - own).norm() < 1e-3 {
+            return (self.mode == Mode::Fold && self.c.autonomous).then_some(Kind::Resonance1);
+        }
         let complex = value.im.abs() > 1e-6;
         match (self.mode, complex, value.re > 0.0) {
             // Tests of their own name the strong resonances; an autonomous fold has none for +1.
@@ -441,6 +452,17 @@ impl Manifold for Curves<'_> {
 
     fn distance(&self, value: Complex64) -> f64 {
         value.norm().ln()
+    }
+
+    /// Where a further multiplier joins the one that is there by construction both are ill determined; the tests of strong
+    /// resonances are not.
+    fn tested(&self, a: C, b: C) -> bool {
+        let real = a.im == 0.0 && b.im == 0.0;
+        match self.mode {
+            Mode::Doubling => real && a.re < 0.0 && b.re < 0.0,
+            Mode::Fold => real && a.re > 0.0 && b.re > 0.0 && !self.c.autonomous,
+            Mode::Torus => false,
+        }
     }
 
     fn distance_rate(&self, value: Complex64, rate: Complex64) -> f64 {

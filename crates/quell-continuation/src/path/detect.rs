@@ -337,6 +337,9 @@ impl Corrector<'_> {
         let mut found: Vec<(Follow, Bracket, bool)> = Vec::new();
         for pair in &pairs {
             let (va, vb) = (a.spectrum.values[pair.from], b.spectrum.values[pair.to]);
+            if m.tested(va, vb) {
+                continue;
+            }
             let (fa, fb) = (m.distance(va), m.distance(vb));
             let crosses = (fa > 0.0) != (fb > 0.0);
             let near = fa.abs().min(fb.abs()) < 4.0 * (va - vb).norm();

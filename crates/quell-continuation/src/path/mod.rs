@@ -58,6 +58,10 @@ pub(crate) trait Manifold {
     fn longest_gap(&self) -> f64 {
         f64::INFINITY
     }
+    /// Whether a test function of its own finds what happens where an eigenvalue goes from a to b; spectra are not looked at then.
+    fn tested(&self, _a: Complex64, _b: Complex64) -> bool {
+        false
+    }
     /// Derivative of the distance.
     fn distance_rate(&self, value: Complex64, rate: Complex64) -> f64;
     /// Test functions whose simple zeros are special points.

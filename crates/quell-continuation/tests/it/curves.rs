@@ -428,6 +428,7 @@ fn s5_period_doubling_curve() {
         [1e-8, 2e-8],
     );
     close(t, 9.058_318_221, 1e-8);
+    assert_eq!(c.special.len(), 2, "{}", show_cycles(&c, [0, 1]));
 }
 
 #[test]
