@@ -157,7 +157,11 @@ fn softer_dampers_leave_one_oscillation() {
         2e-3,
     );
     assert_eq!(bending.branches.len(), 2);
-    assert!(cycles(bending)[0].special.is_empty());
+    assert!(
+        cycles(bending)[0].special.is_empty(),
+        "{:?}",
+        cycles(bending)[0].special
+    );
     let torsion = found(&results, "L1 2000");
     near(
         &values(&torsion.branches[0], "H", "V"),
