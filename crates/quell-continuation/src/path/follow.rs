@@ -254,6 +254,11 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
                 current = false;
             }
         }
+        let stop = m.stop(&a, &b);
+        if stop == Some(Stop::Vanished) {
+            // Where an orbit shrinks to an equilibrium and grows again beyond it, a multiplier touches +1 and nothing happens.
+            a.history = None;
+        }
         let mut ended = None;
         if settings.detect {
             let found = corrector.examine(m, &a, &b, trace.nodes.len() - 1);
@@ -283,7 +288,6 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
             trace.stop = stop;
             return trace;
         }
-        let stop = m.stop(&a, &b);
         trace.nodes.push(b.clone());
         if let Some(k) = bound {
             trace.stop = Stop::Bound(k);

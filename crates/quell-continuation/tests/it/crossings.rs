@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use crate::support::{Exact, Field, Real};
 use quell_continuation::{
-    Branch, Certainty, Kind, Orbit, Samples, Settings, cycle_curve, cycles_from_samples,
+    Branch, Certainty, Kind, Orbit, Samples, Settings, Stop, cycle_curve, cycles_from_hopf,
+    cycles_from_samples, equilibria,
 };
 
 /// The cycle r = 1 with two oscillators of rates δ - a p² + b p and frequency ω each beside it; parameters p, δ₁, a₁, b₁, δ₂, a₂, b₂.
@@ -118,4 +119,34 @@ fn two_tori_at_once() {
         found[0].0 == Kind::TorusTorus && found[0].1.abs() < 1e-7,
         "{found:?}"
     );
+}
+
+/// r' = r (p (1 - p) - r² - d r⁴), θ' = 1: cycles from p = 0 to p = 1.
+struct Arch;
+impl Field for Arch {
+    const N: usize = 2;
+    const P: usize = 2;
+    fn f<R: Real>(&self, _t: R, x: &[R], p: &[R], out: &mut [R]) {
+        let s = x[0] * x[0] + x[1] * x[1];
+        let g = p[0] * (R::from(1.0) - p[0]) - s - p[1] * s * s;
+        out[0] = g * x[0] - x[1];
+        out[1] = g * x[1] + x[0];
+    }
+}
+
+#[test]
+fn where_a_branch_of_cycles_ends_nothing_else_happens() {
+    // At either Hopf point a multiplier touches +1 and the parameter turns: neither is a fold of cycles.
+    let problem = Exact::<_, 2>(Arch);
+    for d in [0.0, 0.3, 1.0, 3.0] {
+        for step in [0.05, 0.1, 0.17] {
+            let mut s = Settings::new(&[(-0.5, 1.5)]);
+            s.maximum_step = step;
+            let e = equilibria(&problem, &[0.0; 2], &[-0.5, d], 0, &s).unwrap();
+            assert_eq!(e.of(Kind::Hopf).len(), 2);
+            let b = cycles_from_hopf(&problem, &e.special[0], 0, &s).unwrap();
+            assert_eq!(b.stop[1], Stop::Vanished);
+            assert!(b.special.is_empty(), "{d} {step}: {:?}", b.special);
+        }
+    }
 }
