@@ -198,7 +198,9 @@ impl<'c, 'p> Point<'c, 'p> {
         }
         let mut right = vec![C::default(); size];
         let mut carried = Vec::new();
-        for part in 0..2 {
+        // A real equation has a real solution.
+        let real = mu.im == 0.0 && g.iter().all(|x| x.im == 0.0);
+        for part in 0..if real { 1 } else { 2 } {
             let mut data = vec![0.0; c.nodes()];
             for (e, h) in self.gauss() {
                 for k in e * n..(e + 1) * n {
@@ -238,7 +240,11 @@ impl<'c, 'p> Point<'c, 'p> {
             c.interpolate(&c.rule.values, &nodes, Some(&wrap), &mut out);
             values.push(out);
         }
-        let im = values.pop()?;
+        let im = if real {
+            vec![0.0; c.nodes()]
+        } else {
+            values.pop()?
+        };
         let re = values.pop()?;
         let h = re
             .into_iter()
