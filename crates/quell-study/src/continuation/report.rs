@@ -146,10 +146,9 @@ fn named(kind: Kind, coefficients: &[f64]) -> Vec<(&'static str, f64)> {
         // Of either pair by itself.
         Kind::HopfHopf => &["l1", "l1_second"],
         Kind::ZeroHopf => &["f200", "g110", "f011"],
-        Kind::Cusp => &["c"],
         Kind::BogdanovTakens => &["a", "b"],
         Kind::CycleFold => &["b"],
-        Kind::PeriodDoubling => &["c"],
+        Kind::Cusp | Kind::PeriodDoubling => &["c"],
         Kind::Torus => &["d", "d_imaginary"],
         _ => &["a", "b", "c", "d"],
     };
