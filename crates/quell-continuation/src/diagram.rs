@@ -17,7 +17,8 @@ pub struct DiagramSettings {
     pub branch: Settings,
     /// Box in which equilibria are sought, one pair a state.
     pub states: Vec<(f64, f64)>,
-    /// Starts of Newton in the box at each of three values of the parameter.
+    /// Starts of Newton in the box at each of three values of the parameter; as many again in parts of the box about its middle that
+    /// are ten, a hundred and a thousand times smaller.
     pub starts: usize,
     /// How often a switch (across, to cycles, to doubled cycles) may follow another.
     pub depth: usize,
@@ -306,6 +307,9 @@ fn point(states: &[(f64, f64)], k: usize) -> Vec<f64> {
         .collect()
 }
 
+/// Parts of the box in which a third as many starts look for equilibria that lie close together on its scale.
+const SHRUNK: [f64; 3] = [0.1, 0.01, 0.001];
+
 /// Equilibria at given parameters, in the order in which they are found.
 fn roots(problem: &dyn Problem, p: &[f64], settings: &DiagramSettings) -> Vec<Vec<f64>> {
     let n = problem.states();
@@ -319,13 +323,20 @@ fn roots(problem: &dyn Problem, p: &[f64], settings: &DiagramSettings) -> Vec<Ve
     let mut found: Vec<Vec<f64>> = Vec::new();
     let (mut f, mut jacobian) = (vec![0.0; n], vec![0.0; n * n]);
     let mut lu = Lu::new();
-    for k in 0..=settings.starts {
-        // The middle of the box first.
-        let mut x = if k == 0 {
-            settings.states.iter().map(|(a, b)| 0.5 * (a + b)).collect()
-        } else {
-            point(&settings.states, k)
-        };
+    // The middle of the box first; then the whole box, then parts of it about its middle.
+    let starts = std::iter::once((0, 0.0))
+        .chain((1..=settings.starts).map(|k| (k, 1.0)))
+        .chain(
+            SHRUNK
+                .iter()
+                .flat_map(|part| (1..=settings.starts.div_ceil(3)).map(move |k| (k, *part))),
+        );
+    for (k, part) in starts {
+        let mut x = point(&settings.states, k);
+        for (x, (low, high)) in x.iter_mut().zip(&settings.states) {
+            let middle = 0.5 * (low + high);
+            *x = middle + part * (*x - middle);
+        }
         for _ in 0..60 {
             problem.value(0.0, &x, p, &mut f);
             problem.jacobian(0.0, &x, p, &mut jacobian);

@@ -12,22 +12,38 @@ pub enum Kind {
     /// Branch point of equilibria.
     BranchPoint,
     /// Fold of cycles.
+    ///
+    /// Normal form: |b| of dξ/dt = b ξ², dτ/dt = 1 - σ ξ along x = x₀(τ) + ξ v(τ) + …, where v' = A v + σ f has period T, is
+    /// free of the flow (∫⟨v, f⟩ = 0) and the mean of |v|² over a period is one. Units: 1/s for each unit of the states.
     CycleFold,
     /// Period doubling.
+    ///
+    /// Normal form: c of dξ/dt = c ξ³, dτ/dt = 1 + a ξ² along x = x₀(τ) + ξ v(τ) + …, where v' = A v, v(T) = -v(0) and the
+    /// mean of |v|² is one. Negative: the doubled cycles are born stable.
     PeriodDoubling,
     /// Torus (Neimark-Sacker).
+    ///
+    /// Normal form: Re d and Im d of dξ/dt = d ξ |ξ|², dτ/dt = 1 + a |ξ|² along x = x₀(τ) + ξ v(τ) + ξ̄ v̄(τ) + …, where v' = A v,
+    /// v(T) = exp(iθ) v(0) and the mean of |v|² is one. Re d negative: the torus is born stable.
     Torus,
     /// Branch point of cycles: a multiplier passes +1 without a fold.
     CycleBranchPoint,
-    /// Cusp.
+    /// Cusp. Normal form: c of dξ/dt = c ξ³ along the null vector of unit length.
     Cusp,
     /// Bogdanov-Takens.
     BogdanovTakens,
     /// Generalised Hopf (Bautin).
     GeneralisedHopf,
     /// Zero-Hopf.
+    ///
+    /// Normal form: the quadratic coefficients ½⟨p₀, B(q₀, q₀)⟩, Re⟨p₁, B(q₀, q₁)⟩ and ⟨p₀, B(q₁, q̄₁)⟩ with ⟨q, q⟩ = ⟨p, q⟩ = 1 for
+    /// both (Kuznetsov 2004, section 8.7).
     ZeroHopf,
     /// Hopf-Hopf.
+    ///
+    /// Normal form on a curve: Re p₁₁, Re p₁₂, Re p₂₁, Re p₂₂ of dξ₁/dt = ξ₁ (iω₁ + p₁₁ |ξ₁|² + p₁₂ |ξ₂|²), dξ₂/dt likewise, with ⟨q, q⟩ =
+    /// ⟨p, q⟩ = 1 for both pairs (Kuznetsov 2004, section 8.8). On a branch in one parameter: the first Lyapunov coefficients of
+    /// both pairs.
     HopfHopf,
     /// Strong resonance 1:1.
     Resonance1,
@@ -39,6 +55,18 @@ pub enum Kind {
     Resonance4,
     /// Cusp of cycles.
     CycleCusp,
+    /// Generalised period doubling: the coefficient of the period doubling vanishes.
+    GeneralisedDoubling,
+    /// Chenciner: the coefficient Re d of the torus vanishes.
+    Chenciner,
+    /// Fold of cycles and period doubling together.
+    FoldDoubling,
+    /// Fold of cycles and torus together.
+    FoldTorus,
+    /// Period doubling and torus together.
+    DoublingTorus,
+    /// Two tori together.
+    TorusTorus,
     /// Zero of the monitor of this index.
     Monitor(usize),
 }
@@ -64,6 +92,12 @@ impl Kind {
             Self::Resonance3 => "R3",
             Self::Resonance4 => "R4",
             Self::CycleCusp => "CPC",
+            Self::GeneralisedDoubling => "GPD",
+            Self::Chenciner => "CH",
+            Self::FoldDoubling => "LPPD",
+            Self::FoldTorus => "LPNS",
+            Self::DoublingTorus => "PDNS",
+            Self::TorusTorus => "NSNS",
             Self::Monitor(_) => "UZ",
         }
     }

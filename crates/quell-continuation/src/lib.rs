@@ -1,6 +1,35 @@
 //! Branches of equilibria and periodic orbits of ẋ = f(t, x, p), their special points and the curves of those.
 //!
-//! A [`Problem`] offers f with exact derivatives; the crate knows nothing else about it.
+//! A [`Problem`] offers f with exact derivatives (a [`Closure`] with differences); the crate knows nothing else about it.
+//!
+//! - [`equilibria`] follows f = 0 in a parameter, with folds, Hopf and branch points; [`equilibria_across`] switches.
+//! - [`cycles_from_hopf`], [`cycles_from_samples`] and [`cycles_from_orbit`] follow periodic orbits of autonomous and forced problems, those that
+//!   go round an angle and subharmonics among them, by collocation on meshes that adapt; [`cycles_doubled`] and [`cycles_across`] switch.
+//! - [`fold_curve`], [`hopf_curve`] and [`cycle_curve`] follow their special points in two parameters, [`torus_from_hopf_hopf`] and
+//!   [`fold_from_generalised_hopf`] the curves of cycles that leave points of codimension two.
+//! - [`diagram`] finds starts and follows what branches off.
+//!
+//! Every branch says why it ended ([`Stop`]), every special point how sure it is ([`Certainty`]) and how far off it may be; [`Kind`] states
+//! how coefficients of normal forms are scaled.
+//!
+//! ```
+//! use quell_continuation::{Closure, Kind, Settings, cycles_from_hopf, equilibria};
+//!
+//! // x'' - (mu - x²) x' + x = 0: rest loses its stability at mu = 0.
+//! let problem = Closure::new(2, 1, |_t, x: &[f64], p: &[f64], out: &mut [f64]| {
+//!     out[0] = x[1];
+//!     out[1] = (p[0] - x[0] * x[0]) * x[1] - x[0];
+//! });
+//! let settings = Settings::new(&[(-0.5, 1.0)]);
+//! let rest = equilibria(&problem, &[0.0, 0.0], &[-0.5], 0, &settings)?;
+//! let hopf = rest.of(Kind::Hopf)[0];
+//! assert!(hopf.solution.parameters[0].abs() < 1e-6);
+//! let cycles = cycles_from_hopf(&problem, hopf, 0, &settings)?;
+//! // The amplitude at mu = 1 is that of van der Pol's oscillator with damping one.
+//! let last = &cycles.points[cycles.points.len() - 1].solution;
+//! assert!((last.range(0).1 - 2.00862).abs() < 1e-4);
+//! # Ok::<(), quell_continuation::ContinuationError>(())
+//! ```
 #![allow(
     clippy::needless_range_loop, // index arithmetic mirrors the formulas
     clippy::type_complexity,     // tuples that never leave their module

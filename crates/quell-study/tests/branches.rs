@@ -157,7 +157,11 @@ fn softer_dampers_leave_one_oscillation() {
         2e-3,
     );
     assert_eq!(bending.branches.len(), 2);
-    assert!(cycles(bending)[0].special.is_empty());
+    assert!(
+        cycles(bending)[0].special.is_empty(),
+        "{:?}",
+        cycles(bending)[0].special
+    );
     let torsion = found(&results, "L1 2000");
     near(
         &values(&torsion.branches[0], "H", "V"),
@@ -269,6 +273,48 @@ ranges = { F0 = [0.02, 0.4] }
     let cusps = points(&found(&results, "folds").branches[0], "CPC");
     near(&[cusps[0].parameters["Om"]], &[1.09011], 1e-5);
     near(&[cusps[0].parameters["F0"]], &[0.051_363_5], 1e-6);
+}
+
+/// φ'' + c φ' + sin φ = M going round and round. In a turn the torque does the work that the damper takes:
+/// ∫ c φ'² dt = 2π M, so T mean(φ'²) = 2π M / c; exact, so the tolerance is that of collocation.
+#[test]
+fn a_pendulum_that_goes_round_is_a_cycle() {
+    let text = r#"
+quell = 1
+title = "Rotations"
+host = "driven-pendulum.toml"
+
+[runs.settle]
+kind = "transient"
+duration = 200
+
+[[tasks]]
+name = "rotations"
+kind = "branch"
+parameter = "torque"
+ranges = { torque = [0.2, 1.5] }
+start = { run = "settle" }
+at = [0.3, 0.5, 1, 1.4]
+longest_period = 30
+measures = { work = "rms(phi')^2", least = "min(phi)", most = "max(phi)" }
+"#;
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hosts");
+    let parsed = |text: &str| {
+        let source = quell_document::Source::new("study.toml", text.to_owned());
+        Study::parse(source, &folder).unwrap_or_else(|fault| panic!("{}", fault.render()))
+    };
+    let results = run(&parsed(text), 2, &[]);
+    let rotations = &found(&results, "rotations").branches[0];
+    assert!(rotations.at.len() >= 4, "{rotations:?}");
+    for at in &rotations.at {
+        let work = 0.1 * at.measures["work"] * at.period_s.unwrap();
+        let torque = at.parameters["torque"];
+        near(&[work], &[std::f64::consts::TAU * torque], 1e-6 * work);
+        // One turn, and it begins within the first.
+        let turned = at.measures["most"] - at.measures["least"];
+        near(&[turned], &[std::f64::consts::TAU], 1e-9);
+        assert!(at.stable);
+    }
 }
 
 /// Same study, same bits, for any number of threads.

@@ -6,14 +6,15 @@
 
 use num_complex::Complex64;
 
-use super::variation::{Mode, Variation};
+use super::variation::{Mode, ReducedPhase, Variation};
 use crate::branch::{Branch, Special, assemble};
 use crate::dense::{Spectrum, dot};
 use crate::kind::Kind;
 use crate::orbit::bordered::{Bordered, Row};
 use crate::orbit::collocation::Collocation;
+use crate::orbit::frame::{self, Frame};
 use crate::orbit::manifold::orbit;
-use crate::orbit::{Orbit, floquet, mesh, small_cycle, unpack};
+use crate::orbit::{Orbit, floquet, normal, small_cycle, unpack};
 use crate::path::{Failure, Found, Label, Manifold, Node, Start, Trigger, follow_both};
 use crate::problem::Problem;
 use crate::settings::{ContinuationError, Settings, Stop};
@@ -33,8 +34,9 @@ pub struct CriticalOrbit {
 
 /// The curve of folds, period doublings or torus points of cycles through such a point, in two parameters.
 ///
-/// Special points: on folds, cusps of cycles and (forced problems) the resonance 1:1; on period doublings the resonance 1:2;
-/// on torus points the resonances 1:1 to 1:4, of which the first two end the curve.
+/// Special points: on folds, cusps of cycles and the resonance 1:1; on period doublings the resonance 1:2 and generalised period
+/// doublings; on torus points the resonances 1:1 to 1:4, of which the first two end the curve, and Chenciner points; on all of them
+/// points where a further multiplier or pair is on the unit circle.
 ///
 /// # Errors
 ///
@@ -169,32 +171,26 @@ struct Curves<'a> {
     mode: Mode,
     settings: &'a Settings,
     bordered: Bordered,
-    /// Only for the phase row's own reduction.
-    phase: Row,
-    anchor: f64,
+    frame: Frame,
     variation: Variation,
     columns: Vec<Vec<f64>>,
     arclength: Row,
     weights: Vec<f64>,
-    scale: f64,
     largest: f64,
 }
 
 impl<'a> Curves<'a> {
     fn new(c: Collocation<'a>, mode: Mode, settings: &'a Settings) -> Self {
-        let scale = settings.state_scale;
         Self {
             c,
             mode,
             settings,
             bordered: Bordered::default(),
-            phase: Row::default(),
-            anchor: 0.0,
+            frame: Frame::new(settings.state_scale),
             variation: Variation::default(),
             columns: Vec::new(),
             arclength: Row::default(),
             weights: Vec::new(),
-            scale,
             largest: 0.0,
         }
     }
@@ -255,22 +251,10 @@ impl<'a> Curves<'a> {
         out
     }
 
-    /// The phase row reduced on the linearisation at hand: (row, corner, multipliers inside, multipliers between).
-    fn reduced_phase(&self) -> Option<(Vec<f64>, f64, Vec<f64>, Vec<f64>)> {
-        if !(self.c.autonomous && self.mode == Mode::Fold) {
-            return None;
-        }
-        let (mut inner, mut mids) = (Vec::new(), Vec::new());
-        let mut row = vec![0.0; 2 * self.c.n];
-        self.c
-            .condensed
-            .reduce_row(&self.phase.nodes, &mut inner, &mut mids, &mut row);
-        let (data, column_mids, _) = self.bordered.column(0);
-        let corner = -self
-            .c
-            .condensed
-            .eliminated(&inner, &mids, data, column_mids);
-        Some((row, corner, inner, mids))
+    /// The phase row reduced on the linearisation at hand, where the critical system needs it.
+    fn reduced_phase(&self) -> Option<ReducedPhase> {
+        (self.c.autonomous && self.mode == Mode::Fold)
+            .then(|| ReducedPhase::of(&self.c, &self.bordered, &self.frame.phase.nodes))
     }
 
     fn linearise(&mut self, z: &[f64]) -> Result<(), Failure> {
@@ -293,13 +277,45 @@ impl<'a> Curves<'a> {
         self.linearise(z)?;
         let phase = self.reduced_phase();
         let mu = self.multiplier(z);
-        self.variation.begin(
-            &self.c,
-            &self.bordered,
-            mu,
-            phase.as_ref().map(|p| (&p.0[..], p.1)),
-        );
+        self.variation
+            .begin(&self.c, &self.bordered, mu, phase.as_ref());
         Ok(())
+    }
+
+    /// The coefficient whose sign tells which way what is born here is born.
+    fn coefficient(&self, angle: f64) -> f64 {
+        if self.c.problem.is_approximate() {
+            return f64::NAN;
+        }
+        let phase = &self.frame.phase.nodes;
+        normal::coefficients(&self.c, &self.bordered, phase, self.mode, angle)
+            .and_then(|found| found.first().copied())
+            .unwrap_or(f64::NAN)
+    }
+
+    /// What a further multiplier on the unit circle makes of a point.
+    fn other(&self, value: C) -> Option<Kind> {
+        let own = C::new(
+            if self.mode == Mode::Doubling {
+                -1.0
+            } else {
+                1.0
+            },
+            0.0,
+        );
+        if self.mode != Mode::Torus && (value - own).norm() < 1e-3 {
+            return (self.mode == Mode::Fold && self.c.autonomous).then_some(Kind::Resonance1);
+        }
+        let complex = value.im.abs() > 1e-6;
+        match (self.mode, complex, value.re > 0.0) {
+            // Tests of their own name the strong resonances; an autonomous fold has none for +1.
+            (Mode::Fold, false, true) => self.c.autonomous.then_some(Kind::Resonance1),
+            (Mode::Doubling, false, false) => None,
+            (Mode::Fold, false, false) | (Mode::Doubling, false, true) => Some(Kind::FoldDoubling),
+            (Mode::Fold, true, _) | (Mode::Torus, false, true) => Some(Kind::FoldTorus),
+            (Mode::Doubling, true, _) | (Mode::Torus, false, false) => Some(Kind::DoublingTorus),
+            (Mode::Torus, true, _) => Some(Kind::TorusTorus),
+        }
     }
 
     /// ∂g with a place for θ.
@@ -330,7 +346,7 @@ impl Manifold for Curves<'_> {
         self.c.residual(&stripped, out)?;
         let mut at = self.c.nodes();
         if self.c.autonomous {
-            out[at] = dot(&self.phase.nodes, &z[..self.c.nodes()]) - self.anchor;
+            out[at] = self.frame.offset(&z[..self.c.nodes()]);
             at += 1;
         }
         // g is that of the factorisation, which is always at this z.
@@ -345,16 +361,13 @@ impl Manifold for Curves<'_> {
         self.linearise(z)?;
         let phase = self.reduced_phase();
         let mu = self.multiplier(z);
-        let fine = self.variation.solve(
-            &self.c,
-            &self.bordered,
-            mu,
-            phase.as_ref().map(|p| (&p.0[..], p.1, &p.2[..], &p.3[..])),
-        );
+        let fine = self
+            .variation
+            .solve(&self.c, &self.bordered, mu, phase.as_ref());
         if !fine {
             return Err(Failure::NotFinite);
         }
-        self.variation.differentiate(&self.c, mu, self.scale);
+        self.variation.differentiate(&self.c, mu, self.frame.scale);
         // Kept for the border rows.
         self.arclength.ends = vec![z.get(self.angle_index()).copied().unwrap_or(0.0)];
         Ok(())
@@ -367,7 +380,7 @@ impl Manifold for Curves<'_> {
         z[self.angle_index()] = angle;
         let mut rows: Vec<Row> = Vec::with_capacity(4);
         if self.c.autonomous {
-            let mut phase = self.phase.clone();
+            let mut phase = self.frame.phase.clone();
             phase.ends = vec![0.0; row.len() - nodes];
             rows.push(phase);
         }
@@ -400,27 +413,7 @@ impl Manifold for Curves<'_> {
     }
 
     fn rescale(&mut self, z: &[f64]) {
-        let n = self.c.n;
-        let w = self.c.weights();
-        let square: f64 = w
-            .iter()
-            .zip(z.chunks_exact(n))
-            .map(|(w, x)| w * dot(x, x))
-            .sum();
-        let rms = (square / n as f64).sqrt();
-        if rms.is_finite() {
-            self.scale = self.scale.max(rms);
-        }
-        let s = 1.0 / (self.scale * self.scale * n as f64);
-        self.weights.clear();
-        for w in w {
-            for _ in 0..n {
-                self.weights.push(w * s);
-            }
-        }
-        if self.c.autonomous {
-            self.weights.push(z[self.c.nodes()].powi(-2));
-        }
+        self.frame.weigh(&self.c, z, &mut self.weights);
         if self.torus() {
             self.weights.push(0.1);
         }
@@ -461,6 +454,17 @@ impl Manifold for Curves<'_> {
         value.norm().ln()
     }
 
+    /// Where a further multiplier joins the one that is there by construction both are ill determined; the tests of strong
+    /// resonances are not.
+    fn tested(&self, a: C, b: C) -> bool {
+        let real = a.im == 0.0 && b.im == 0.0;
+        match self.mode {
+            Mode::Doubling => real && a.re < 0.0 && b.re < 0.0,
+            Mode::Fold => real && a.re > 0.0 && b.re > 0.0 && !self.c.autonomous,
+            Mode::Torus => false,
+        }
+    }
+
     fn distance_rate(&self, value: Complex64, rate: Complex64) -> f64 {
         (rate / value).re
     }
@@ -471,9 +475,15 @@ impl Manifold for Curves<'_> {
             Mode::Torus => {
                 let angle = z[self.angle_index()];
                 let pi = std::f64::consts::PI;
-                vec![angle, angle - pi, angle - 2.0 * pi / 3.0, angle - 0.5 * pi]
+                vec![
+                    angle,
+                    angle - pi,
+                    angle - 2.0 * pi / 3.0,
+                    angle - 0.5 * pi,
+                    self.coefficient(angle),
+                ]
             }
-            Mode::Doubling => vec![v.by_multiplier.re],
+            Mode::Doubling => vec![v.by_multiplier.re, self.coefficient(std::f64::consts::PI)],
             Mode::Fold => {
                 let mut row = dot(&v.gradient[0].nodes, &v.v[0]);
                 if self.c.autonomous {
@@ -491,14 +501,24 @@ impl Manifold for Curves<'_> {
     }
 
     fn classify(&mut self, found: &Found<'_>) -> Option<Label> {
-        let Trigger::Test(k) = found.trigger else {
-            return None;
+        let k = match found.trigger {
+            Trigger::Test(k) => k,
+            Trigger::Crossing(v) | Trigger::Touch(v) => {
+                return self.other(v).map(|kind| {
+                    let mut label = Label::plain(kind);
+                    label.omega = self.torus().then(|| found.node.z[self.angle_index()]);
+                    label.second_omega = (v.im != 0.0).then(|| v.arg().abs());
+                    label
+                });
+            }
         };
         let kind = match (self.mode, k) {
             (Mode::Torus, 0) | (Mode::Fold, 1) => Kind::Resonance1,
             (Mode::Torus, 1) | (Mode::Doubling, 0) => Kind::Resonance2,
             (Mode::Torus, 2) => Kind::Resonance3,
             (Mode::Torus, 3) => Kind::Resonance4,
+            (Mode::Torus, 4) => Kind::Chenciner,
+            (Mode::Doubling, 1) => Kind::GeneralisedDoubling,
             (Mode::Fold, 0) => Kind::CycleCusp,
             _ => return None,
         };
@@ -514,40 +534,19 @@ impl Manifold for Curves<'_> {
         Some(label)
     }
 
-    fn adapt(&mut self, z: &mut Vec<f64>, tangent: &mut Vec<f64>, count: usize) -> bool {
-        let s = &self.settings.mesh;
-        if s.every == 0 || !count.is_multiple_of(s.every) {
-            return false;
+    fn adapt(&mut self, z: &mut Vec<f64>, tangents: &mut [Vec<f64>], count: usize) -> bool {
+        // The sign of w is kept by time, so it outlives the mesh.
+        let moved = frame::adapt(&mut self.c, &self.settings.mesh, z, tangents, count);
+        if moved {
+            self.accept(z);
         }
-        let (new, worst) = mesh::equidistribute(&self.c, z, s);
-        if new.len() == self.c.mesh.len() && s.bounds.0 != s.bounds.1 && worst < s.tolerance {
-            return false;
-        }
-        let nodes = self.c.nodes();
-        let still = vec![0.0; self.c.n];
-        let mut new_z = mesh::transfer(&self.c, z, &self.c.winding, &new);
-        let mut new_t = mesh::transfer(&self.c, tangent, &still, &new);
-        new_z.extend_from_slice(&z[nodes..]);
-        new_t.extend_from_slice(&tangent[nodes..]);
-        *z = new_z;
-        *tangent = new_t;
-        self.c.set_mesh(new);
-        self.accept(z);
-        // (The sign of w was kept on the old mesh, by time.)
-        true
+        moved
     }
 
     fn accept(&mut self, z: &[f64]) {
         self.variation.refresh();
         self.variation.keep_sign(&self.c);
-        if !self.c.autonomous {
-            return;
-        }
-        let row = self.c.phase_row(z);
-        let size = dot(&row, &row).sqrt().max(1e-300);
-        self.phase.nodes = row.iter().map(|x| x / size).collect();
-        self.phase.ends = vec![0.0; self.c.borders()];
-        self.anchor = dot(&self.phase.nodes, &z[..self.c.nodes()]);
+        self.frame.anchor(&self.c, z);
     }
 
     fn restart(&mut self, node: &Node) {

@@ -593,39 +593,47 @@ impl Manifold for Critical<'_> {
                 if here > 1e-3 * (found.before.tests[k].abs() + found.after.tests[k].abs()) {
                     return None;
                 }
+                if self.hopf {
+                    return Some(Label {
+                        omega: Some(self.omega(z)),
+                        ..Label::plain(Kind::GeneralisedHopf)
+                    });
+                }
+                self.factor(z).ok()?;
+                let cubic = normal::cusp(self.problem, &z[..n], &self.parameters, &self.jacobian);
                 Some(Label {
-                    kind: if self.hopf {
-                        Kind::GeneralisedHopf
-                    } else {
-                        Kind::Cusp
-                    },
-                    omega: self.hopf.then(|| self.omega(z)),
-                    second_omega: None,
-                    normal_form: Vec::new(),
+                    normal_form: cubic.into_iter().collect(),
+                    ..Label::plain(Kind::Cusp)
                 })
             }
             Trigger::Crossing(v) | Trigger::Touch(v) => {
                 let complex = v.im.abs() > 1e-6 * (1.0 + v.norm());
-                match (self.hopf, complex) {
-                    (true, true) => Some(Label {
-                        kind: Kind::HopfHopf,
-                        omega: Some(self.omega(z)),
-                        second_omega: Some(v.im.abs()),
-                        normal_form: Vec::new(),
-                    }),
-                    (true, false) => {
-                        // At a Bogdanov-Takens point ω vanishes too, and its own test names it.
-                        (z[n] > 1e-8).then(|| Label {
-                            omega: Some(self.omega(z)),
-                            ..Label::plain(Kind::ZeroHopf)
-                        })
+                let omega = match (self.hopf, complex) {
+                    (true, true) => {
+                        self.factor(z).ok()?;
+                        let omegas = [self.omega(z), v.im.abs()];
+                        let (x, p) = (&z[..n], &self.parameters);
+                        let found = normal::hopf_hopf(self.problem, x, p, &self.jacobian, omegas);
+                        return Some(Label {
+                            kind: Kind::HopfHopf,
+                            omega: Some(omegas[0]),
+                            second_omega: Some(omegas[1]),
+                            normal_form: found.unwrap_or_default(),
+                        });
                     }
-                    (false, true) => Some(Label {
-                        omega: Some(v.im.abs()),
-                        ..Label::plain(Kind::ZeroHopf)
-                    }),
-                    (false, false) => None,
-                }
+                    // At a Bogdanov-Takens point ω vanishes too, and its own test names it.
+                    (true, false) if z[n] > 1e-8 => self.omega(z),
+                    (false, true) => v.im.abs(),
+                    _ => return None,
+                };
+                self.factor(z).ok()?;
+                let (x, p) = (&z[..n], &self.parameters);
+                let found = normal::zero_hopf(self.problem, x, p, &self.jacobian, omega);
+                Some(Label {
+                    omega: Some(omega),
+                    normal_form: found.unwrap_or_default(),
+                    ..Label::plain(Kind::ZeroHopf)
+                })
             }
         }
     }

@@ -4,6 +4,8 @@ mod cycle;
 mod equilibrium;
 mod variation;
 
+pub(crate) use variation::{Mode, ReducedPhase, Variation};
+
 pub use cycle::{CriticalOrbit, cycle_curve, fold_from_generalised_hopf, torus_from_hopf_hopf};
 pub use equilibrium::{CriticalEquilibrium, fold_curve, hopf_curve};
 

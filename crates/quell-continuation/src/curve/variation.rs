@@ -43,13 +43,43 @@ pub(crate) struct Variation {
     reference: Vec<(f64, Vec<f64>)>,
 }
 
+/// A phase row eliminated on a linearisation.
+#[derive(Clone, Debug)]
+pub(crate) struct ReducedPhase {
+    /// What remains on `x_0` and `x_N`.
+    row: Vec<f64>,
+    /// Its entry for the period.
+    corner: f64,
+    /// Multipliers inside and between intervals.
+    pub(crate) inner: Vec<f64>,
+    pub(crate) mids: Vec<f64>,
+}
+
+impl ReducedPhase {
+    /// Eliminates a row over the nodes; the first border column is that of the period.
+    pub(crate) fn of(c: &Collocation<'_>, bordered: &Bordered, nodes: &[f64]) -> Self {
+        let (mut inner, mut mids) = (Vec::new(), Vec::new());
+        let mut row = vec![0.0; 2 * c.n];
+        c.condensed
+            .reduce_row(nodes, &mut inner, &mut mids, &mut row);
+        let (data, column_mids, _) = bordered.column(0);
+        let corner = -c.condensed.eliminated(&inner, &mids, data, column_mids);
+        Self {
+            row,
+            corner,
+            inner,
+            mids,
+        }
+    }
+}
+
 impl Variation {
-    /// The reduced matrix; `phase` is the reduced phase row (on `x_0` and `x_N`) and its entry for the period.
-    fn reduced(
+    /// The reduced matrix A + μ B, with the column of the period and the row of the phase where one is given.
+    pub(crate) fn reduced(
         c: &Collocation<'_>,
         bordered: &Bordered,
         mu: C,
-        phase: Option<(&[f64], f64)>,
+        phase: Option<&ReducedPhase>,
     ) -> (usize, Vec<C>) {
         let n = c.n;
         let size = n + usize::from(phase.is_some());
@@ -59,13 +89,13 @@ impl Variation {
                 matrix[i * size + j] = mu * c.condensed.b[i * n + j] + c.condensed.a[i * n + j];
             }
         }
-        if let Some((row, corner)) = phase {
+        if let Some(ReducedPhase { row, corner, .. }) = phase {
             let (_, _, last) = bordered.column(0);
             for i in 0..n {
                 matrix[i * size + n] = C::new(last[i], 0.0);
                 matrix[n * size + i] = C::new(row[i] + row[n + i], 0.0);
             }
-            matrix[n * size + n] = C::new(corner, 0.0);
+            matrix[n * size + n] = C::new(*corner, 0.0);
         }
         (size, matrix)
     }
@@ -76,7 +106,7 @@ impl Variation {
         c: &Collocation<'_>,
         bordered: &Bordered,
         mu: C,
-        phase: Option<(&[f64], f64)>,
+        phase: Option<&ReducedPhase>,
     ) {
         let (size, matrix) = Self::reduced(c, bordered, mu, phase);
         let lu = Lu::of(size, &matrix);
@@ -161,10 +191,10 @@ impl Variation {
         c: &Collocation<'_>,
         bordered: &Bordered,
         mu: C,
-        phase: Option<(&[f64], f64, &[f64], &[f64])>,
+        phase: Option<&ReducedPhase>,
     ) -> bool {
         let n = c.n;
-        let (inner, matrix) = Self::reduced(c, bordered, mu, phase.map(|p| (p.0, p.1)));
+        let (inner, matrix) = Self::reduced(c, bordered, mu, phase);
         let size = inner + 1;
         // b is found afresh: the reduced equations differ from those of the last factorisation.
         let reduced = Lu::of(inner, &matrix);
@@ -234,7 +264,7 @@ impl Variation {
             }
             let weights: Vec<f64> = left[..n].iter().map(take).collect();
             self.w[part].resize(nodes, 0.0);
-            let row = phase.map(|p| (take(&left[n]), p.2, p.3));
+            let row = phase.map(|p| (take(&left[n]), &p.inner[..], &p.mids[..]));
             c.condensed.left(&weights, row, &mut self.w[part]);
         }
         self.by_multiplier = C::default();
@@ -411,7 +441,14 @@ impl Variation {
     }
 
     /// v at Gauss points; its last node is μ times its first.
-    fn values(&self, c: &Collocation<'_>, v: &[f64], mu: C, part: usize, out: &mut [f64]) {
+    pub(crate) fn values(
+        &self,
+        c: &Collocation<'_>,
+        v: &[f64],
+        mu: C,
+        part: usize,
+        out: &mut [f64],
+    ) {
         let n = c.n;
         let wrap: Vec<f64> = self.v0[..n]
             .iter()

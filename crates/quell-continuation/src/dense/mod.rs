@@ -13,11 +13,20 @@ pub(crate) use product::product_eigenvalues;
 
 /// Σ `a_i` `b_i`.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for (x, y) in a.iter().zip(b) {
-        sum += x * y;
+    // Four sums at once: a single one would wait for every addition.
+    let mut sums = [0.0; 4];
+    let n = a.len().min(b.len());
+    let (a, b) = (a[..n].chunks_exact(4), b[..n].chunks_exact(4));
+    let mut rest = 0.0;
+    for (x, y) in a.remainder().iter().zip(b.remainder()) {
+        rest += x * y;
     }
-    sum
+    for (x, y) in a.zip(b) {
+        for k in 0..4 {
+            sums[k] += x[k] * y[k];
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
 /// `y += s x`.

@@ -10,6 +10,7 @@ type C = Complex64;
 /// Multilinear forms of f at a point, extended to complex vectors.
 pub(crate) struct Forms<'a> {
     pub(crate) problem: &'a dyn Problem,
+    pub(crate) t: f64,
     pub(crate) x: &'a [f64],
     pub(crate) p: &'a [f64],
 }
@@ -33,7 +34,7 @@ impl Forms<'_> {
                 if a.iter().all(|x| *x == 0.0) || b.iter().all(|x| *x == 0.0) {
                     continue;
                 }
-                if !self.problem.second(0.0, self.x, self.p, a, b, &mut part) {
+                if !self.problem.second(self.t, self.x, self.p, a, b, &mut part) {
                     return None;
                 }
                 let unit = C::i().powu((i + j) as u32);
@@ -57,7 +58,10 @@ impl Forms<'_> {
                     if [a, b, c].iter().any(|v| v.iter().all(|x| *x == 0.0)) {
                         continue;
                     }
-                    if !self.problem.third(0.0, self.x, self.p, a, b, c, &mut part) {
+                    if !self
+                        .problem
+                        .third(self.t, self.x, self.p, a, b, c, &mut part)
+                    {
                         return None;
                     }
                     let unit = C::i().powu((i + j + k) as u32);
@@ -115,7 +119,12 @@ pub(crate) fn hopf(
     omega: f64,
 ) -> Option<f64> {
     let n = x.len();
-    let forms = Forms { problem, x, p };
+    let forms = Forms {
+        problem,
+        t: 0.0,
+        x,
+        p,
+    };
     let (q, w) = critical(n, a, omega);
     let qc = conj(&q);
     let cubic = forms.third(&q, &q, &qc)?;
@@ -191,4 +200,117 @@ pub(crate) fn bogdanov_takens(
         return None;
     }
     Some(vec![0.5 * dot(&p1, &b00), dot(&p0, &b00) + dot(&p1, &b01)])
+}
+
+/// Right and left null vectors of A, |q| = 1 and wᵀ q = 1.
+fn null(n: usize, a: &[f64]) -> (Vec<C>, Vec<C>) {
+    let real = |v: Vec<C>| v.iter().map(|c| C::new(c.re, 0.0)).collect::<Vec<C>>();
+    let q = real(eigenvector(n, a, C::default()));
+    let mut w = real(left_eigenvector(n, a, C::default()));
+    let s = bilinear(&w, &q);
+    for w in &mut w {
+        *w /= s;
+    }
+    (q, w)
+}
+
+/// c of a cusp, dξ/dt = c ξ³: (1/6)⟨p, C(q, q, q) + 3 B(q, h)⟩ with A h = ⟨p, B(q, q)⟩ q - B(q, q), ⟨p, h⟩ = 0.
+pub(crate) fn cusp(problem: &dyn Problem, x: &[f64], p: &[f64], a: &[f64]) -> Option<f64> {
+    let n = x.len();
+    let forms = Forms {
+        problem,
+        t: 0.0,
+        x,
+        p,
+    };
+    let (q, w) = null(n, a);
+    let curved = forms.second(&q, &q)?;
+    let along = bilinear(&w, &curved);
+    // [A, q; wᵀ, 0] is regular and its last unknown vanishes.
+    let size = n + 1;
+    let mut matrix = vec![C::default(); size * size];
+    for i in 0..n {
+        for j in 0..n {
+            matrix[i * size + j] = C::new(a[i * n + j], 0.0);
+        }
+        matrix[i * size + n] = q[i];
+        matrix[n * size + i] = w[i];
+    }
+    let mut h: Vec<C> = (0..n).map(|i| along * q[i] - curved[i]).collect();
+    h.push(C::default());
+    Lu::of(size, &matrix).solve(&mut h);
+    h.truncate(n);
+    let cubic = forms.third(&q, &q, &q)?;
+    let mixed = forms.second(&q, &h)?;
+    let sum: C = (0..n).map(|i| w[i] * (cubic[i] + mixed[i] * 3.0)).sum();
+    Some(sum.re / 6.0)
+}
+
+/// Quadratic coefficients of a zero-Hopf point: ½⟨p₀, B(q₀, q₀)⟩, Re⟨p₁, B(q₀, q₁)⟩, ⟨p₀, B(q₁, q̄₁)⟩.
+pub(crate) fn zero_hopf(
+    problem: &dyn Problem,
+    x: &[f64],
+    p: &[f64],
+    a: &[f64],
+    omega: f64,
+) -> Option<Vec<f64>> {
+    let n = x.len();
+    let forms = Forms {
+        problem,
+        t: 0.0,
+        x,
+        p,
+    };
+    let (q0, w0) = null(n, a);
+    let (q1, w1) = critical(n, a, omega);
+    Some(vec![
+        0.5 * bilinear(&w0, &forms.second(&q0, &q0)?).re,
+        bilinear(&w1, &forms.second(&q0, &q1)?).re,
+        bilinear(&w0, &forms.second(&q1, &conj(&q1))?).re,
+    ])
+}
+
+/// Real parts p₁₁, p₁₂, p₂₁, p₂₂ of the cubic coefficients of a Hopf-Hopf point.
+pub(crate) fn hopf_hopf(
+    problem: &dyn Problem,
+    x: &[f64],
+    p: &[f64],
+    a: &[f64],
+    omegas: [f64; 2],
+) -> Option<Vec<f64>> {
+    let n = x.len();
+    let forms = Forms {
+        problem,
+        t: 0.0,
+        x,
+        p,
+    };
+    let modes = omegas.map(|omega| critical(n, a, omega));
+    let solved = |mut right: Vec<C>, s: f64| {
+        resolvent(n, a, C::new(0.0, s)).solve(&mut right);
+        right
+    };
+    let mut out = Vec::with_capacity(4);
+    for (i, (q, w)) in modes.iter().enumerate() {
+        for (j, (r, _)) in modes.iter().enumerate() {
+            let rc = conj(r);
+            // Of its own motion and of the other's.
+            let mean = solved(forms.second(r, &rc)?, 0.0);
+            let sum = solved(forms.second(q, r)?, omegas[i] + omegas[j]);
+            let cubic = forms.third(q, r, &rc)?;
+            let one = forms.second(q, &mean)?;
+            let two = forms.second(&rc, &sum)?;
+            let mut total = bilinear(w, &cubic) + bilinear(w, &one) + bilinear(w, &two);
+            if i == j {
+                // Both motions that mean and difference belong to are the same one.
+                total += bilinear(w, &one);
+                total *= 0.5;
+            } else {
+                let difference = solved(forms.second(q, &rc)?, omegas[i] - omegas[j]);
+                total += bilinear(w, &forms.second(r, &difference)?);
+            }
+            out.push(total.re);
+        }
+    }
+    Some(out)
 }

@@ -119,25 +119,21 @@ impl<'a> Collocation<'a> {
         out: &mut [f64],
     ) {
         let (m, n, count) = (self.rule.m, self.n, self.count());
-        let mut last = vec![0.0; n];
-        last.copy_from_slice(&z[..n]);
+        let per = m * n;
+        // The last interval ends where the first begins.
+        let mut last = vec![0.0; per + n];
+        last[..per].copy_from_slice(&z[(count - 1) * per..count * per]);
+        last[per..].copy_from_slice(&z[..n]);
         if let Some(w) = wrap {
-            axpy(1.0, w, &mut last);
+            axpy(1.0, w, &mut last[per..]);
         }
-        for i in 0..count {
-            for c in 0..m {
-                let o = &mut out[(i * m + c) * n..(i * m + c + 1) * n];
-                o.fill(0.0);
-                for k in 0..=m {
-                    let index = i * m + k;
-                    let x = if index == count * m {
-                        &last[..]
-                    } else {
-                        &z[index * n..(index + 1) * n]
-                    };
-                    axpy(table[c * (m + 1) + k], x, o);
-                }
-            }
+        for (i, out) in out.chunks_exact_mut(per).take(count).enumerate() {
+            let nodes = if i + 1 < count {
+                &z[i * per..(i + 1) * per + n]
+            } else {
+                &last[..]
+            };
+            combine(&table[..m * (m + 1)], nodes, n, out);
         }
     }
 
@@ -347,5 +343,26 @@ impl<'a> Collocation<'a> {
             }
         }
         out
+    }
+}
+
+/// Rows of the table times the nodes of an interval, n values each.
+fn combine(table: &[f64], nodes: &[f64], n: usize, out: &mut [f64]) {
+    let m = out.len() / n;
+    for (weights, out) in table.chunks_exact(m + 1).zip(out.chunks_exact_mut(n)) {
+        let mut from = 0;
+        out.fill(0.0);
+        while from + 3 <= weights.len() {
+            let at = |k: usize| &nodes[(from + k) * n..(from + k + 1) * n];
+            let (a, b, c) = (at(0), at(1), at(2));
+            let (u, v, w) = (weights[from], weights[from + 1], weights[from + 2]);
+            for j in 0..n {
+                out[j] += (u * a[j] + v * b[j]) + w * c[j];
+            }
+            from += 3;
+        }
+        for k in from..weights.len() {
+            axpy(weights[k], &nodes[k * n..(k + 1) * n], out);
+        }
     }
 }

@@ -24,6 +24,8 @@ pub(crate) struct Condensed {
     pub(crate) a: Vec<f64>,
     pub(crate) b: Vec<f64>,
     work: Vec<f64>,
+    sums: Vec<f64>,
+    panel: Vec<f64>,
 }
 
 impl Condensed {
@@ -38,6 +40,8 @@ impl Condensed {
         self.a.resize(n * n, 0.0);
         self.b.resize(n * n, 0.0);
         self.work.resize(2 * n * 3 * n, 0.0);
+        self.sums.resize(3 * n, 0.0);
+        self.panel.resize(PANEL * m * n, 0.0);
     }
 
     pub(crate) fn inner(&self) -> usize {
@@ -69,7 +73,8 @@ impl Condensed {
         let (q, w, size) = (self.inner(), self.width(), self.block_size());
         for i in 0..self.count {
             let block = &mut self.blocks[i * size..(i + 1) * size];
-            if !eliminate(block, w, q, &mut self.pivots[i * q..(i + 1) * q]) {
+            let pivots = &mut self.pivots[i * q..(i + 1) * q];
+            if !eliminate(block, w, q, pivots, &mut self.panel) {
                 return false;
             }
         }
@@ -81,12 +86,14 @@ impl Condensed {
         let n = self.n;
         let w = 3 * n;
         let mut work = std::mem::take(&mut self.work);
+        let mut sums = std::mem::take(&mut self.sums);
+        let (mut first, mut last) = (std::mem::take(&mut self.a), std::mem::take(&mut self.b));
         for r in 0..n {
             let (a, b) = self.ends(0, r);
-            let (a, b) = (a.to_vec(), b.to_vec());
-            self.a[r * n..(r + 1) * n].copy_from_slice(&a);
-            self.b[r * n..(r + 1) * n].copy_from_slice(&b);
+            first[r * n..(r + 1) * n].copy_from_slice(a);
+            last[r * n..(r + 1) * n].copy_from_slice(b);
         }
+        (self.a, self.b) = (first, last);
         for i in 1..self.count {
             // Rows [B | A | 0] of what is carried and [A_i | 0 | B_i] of the next interval.
             for r in 0..n {
@@ -104,7 +111,6 @@ impl Condensed {
             }
             let reflectors = &mut self.reflectors[(i - 1) * 2 * n * n..i * 2 * n * n];
             let betas = &mut self.betas[(i - 1) * n..i * n];
-            let mut sums = [0.0; 128];
             for k in 0..n {
                 let v = &mut reflectors[k * 2 * n..(k + 1) * 2 * n];
                 v.fill(0.0);
@@ -121,25 +127,11 @@ impl Condensed {
                 v[k] = head;
                 let beta = if norm > 0.0 { 2.0 / norm } else { 0.0 };
                 betas[k] = beta;
-                let columns = w - k - 1;
-                if columns <= sums.len() {
-                    let sums = &mut sums[..columns];
-                    sums.fill(0.0);
-                    for r in k..2 * n {
-                        axpy(v[r], &work[r * w + k + 1..(r + 1) * w], sums);
-                    }
-                    for r in k..2 * n {
-                        axpy(-beta * v[r], sums, &mut work[r * w + k + 1..(r + 1) * w]);
-                    }
-                } else {
-                    for c in k + 1..w {
-                        let s: f64 = (k..2 * n).map(|r| v[r] * work[r * w + c]).sum();
-                        for r in k..2 * n {
-                            work[r * w + c] -= beta * s * v[r];
-                        }
-                    }
-                }
-                work[k * w + k] = alpha;
+                let sums = &mut sums[..w - k - 1];
+                sums.fill(0.0);
+                reflect(&v[k..], beta, &mut work[k * w..], w, k + 1, sums);
+                // The diagonal is kept inverted, as in the blocks.
+                work[k * w + k] = 1.0 / alpha;
             }
             self.merged[(i - 1) * n * w..i * n * w].copy_from_slice(&work[..n * w]);
             for r in 0..n {
@@ -148,7 +140,7 @@ impl Condensed {
                 self.b[r * n..(r + 1) * n].copy_from_slice(&row[2 * n..]);
             }
         }
-        self.work = work;
+        (self.work, self.sums) = (work, sums);
     }
 
     /// Carries a right-hand side (N m n, overwritten) to the last equations.
@@ -161,12 +153,7 @@ impl Condensed {
             for (k, p) in self.pivots[i * q..(i + 1) * q].iter().enumerate() {
                 c.swap(k, *p);
             }
-            let block = self.block(i);
-            for r in 1..rows {
-                let (done, rest) = c.split_at_mut(r);
-                let l = r.min(q);
-                rest[0] -= dot(&block[r * w..r * w + l], &done[..l]);
-            }
+            lower(self.block(i), w, q, c);
             if i == 0 {
                 out.copy_from_slice(&c[q..]);
                 continue;
@@ -194,37 +181,33 @@ impl Condensed {
     ) {
         let (n, q, w, rows) = (self.n, self.inner(), self.width(), self.rows());
         out[..n].copy_from_slice(x0);
-        let mut right = last.to_vec();
-        let mut t = vec![0.0; n];
+        // Of every pair of eliminated equations the unknowns are (here | x_0 | right), of every interval (inner | left | right).
+        let mut y = vec![0.0; w];
+        y[n..2 * n].copy_from_slice(x0);
+        y[2 * n..3 * n].copy_from_slice(last);
         for i in (1..self.count).rev() {
+            match carried {
+                Some((_, mids)) => y[..n].copy_from_slice(&mids[(i - 1) * n..i * n]),
+                None => y[..n].fill(0.0),
+            }
             let merged = &self.merged[(i - 1) * 3 * n * n..i * 3 * n * n];
-            for r in (0..n).rev() {
-                let row = &merged[r * 3 * n..(r + 1) * 3 * n];
-                let mut s = carried.map_or(0.0, |c| c.1[(i - 1) * n + r]);
-                s -= dot(&row[n..2 * n], x0) + dot(&row[2 * n..], &right);
-                s -= dot(&row[r + 1..n], &t[r + 1..n]);
-                t[r] = s / row[r];
-            }
-            out[i * rows..i * rows + n].copy_from_slice(&t);
-            right.copy_from_slice(&t);
+            upper(merged, 3 * n, n, &mut y[..3 * n]);
+            out[i * rows..i * rows + n].copy_from_slice(&y[..n]);
+            y.copy_within(..n, 2 * n);
         }
-        let mut ends = vec![0.0; 2 * n];
         for i in 0..self.count {
-            ends[..n].copy_from_slice(&out[i * rows..i * rows + n]);
+            match carried {
+                Some((data, _)) => y[..q].copy_from_slice(&data[i * rows..i * rows + q]),
+                None => y[..q].fill(0.0),
+            }
+            y[q..q + n].copy_from_slice(&out[i * rows..i * rows + n]);
             if i + 1 < self.count {
-                ends[n..].copy_from_slice(&out[(i + 1) * rows..(i + 1) * rows + n]);
+                y[q + n..].copy_from_slice(&out[(i + 1) * rows..(i + 1) * rows + n]);
             } else {
-                ends[n..].copy_from_slice(last);
+                y[q + n..].copy_from_slice(last);
             }
-            let block = self.block(i);
-            let inner = &mut out[i * rows + n..(i + 1) * rows];
-            for r in (0..q).rev() {
-                let row = &block[r * w..(r + 1) * w];
-                let mut s = carried.map_or(0.0, |c| c.0[i * rows + r]);
-                s -= dot(&row[q..], &ends);
-                s -= dot(&row[r + 1..q], &inner[r + 1..q]);
-                inner[r] = s / row[r];
-            }
+            upper(self.block(i), w, q, &mut y);
+            out[i * rows + n..(i + 1) * rows].copy_from_slice(&y[..q]);
         }
     }
 
@@ -247,7 +230,7 @@ impl Condensed {
             let block = self.block(i);
             for k in 0..q {
                 let u = &block[k * w..(k + 1) * w];
-                let l = d[k] / u[k];
+                let l = d[k] * u[k];
                 inner[i * q + k] = l;
                 axpy(-l, &u[k + 1..], &mut d[k + 1..]);
             }
@@ -262,7 +245,7 @@ impl Condensed {
             let (head, here) = left.split_at_mut(i * n);
             for k in 0..n {
                 let u = &merged[k * 3 * n..(k + 1) * 3 * n];
-                let l = here[k] / u[k];
+                let l = here[k] * u[k];
                 mids[(i - 1) * n + k] = l;
                 axpy(-l, &u[k + 1..n], &mut here[k + 1..]);
                 axpy(-l, &u[n..2 * n], &mut head[..n]);
@@ -332,37 +315,208 @@ impl Condensed {
     }
 }
 
-/// Gaussian elimination of the first q columns of a row-major block of w columns.
-fn eliminate(block: &mut [f64], w: usize, q: usize, pivots: &mut [usize]) -> bool {
-    let rows = block.len() / w;
-    for k in 0..q {
-        let mut pivot = k;
-        let mut best = block[k * w + k].abs();
-        for r in k + 1..rows {
-            let size = block[r * w + k].abs();
-            if size > best {
-                best = size;
-                pivot = r;
-            }
-        }
-        pivots[k] = pivot;
-        if !(best > 0.0 && best.is_finite()) {
-            return false;
-        }
-        let (top, bottom) = block.split_at_mut((k + 1) * w);
-        let here = &mut top[k * w..];
-        if pivot != k {
-            here.swap_with_slice(&mut bottom[(pivot - k - 1) * w..(pivot - k) * w]);
-        }
-        let inverse = 1.0 / here[k];
-        let tail = &here[k + 1..w];
-        for row in bottom.chunks_exact_mut(w) {
-            let l = row[k] * inverse;
-            row[k] = l;
-            for (x, y) in row[k + 1..].iter_mut().zip(tail) {
-                *x -= l * y;
-            }
+/// (I - β v vᵀ) on the columns from `from` of as many rows of `w` columns as v has entries; `sums` begins at zero.
+fn reflect(v: &[f64], beta: f64, rows: &mut [f64], w: usize, from: usize, sums: &mut [f64]) {
+    let n = sums.len();
+    let mut groups = v.chunks_exact(4);
+    let mut blocks = rows.chunks_exact(4 * w);
+    for (v, block) in groups.by_ref().zip(blocks.by_ref()) {
+        let at = |k: usize| &block[k * w + from..k * w + from + n];
+        let (a, b, c, d) = (at(0), at(1), at(2), at(3));
+        for j in 0..n {
+            sums[j] += ((v[0] * a[j] + v[1] * b[j]) + v[2] * c[j]) + v[3] * d[j];
         }
     }
+    let done = v.len() - groups.remainder().len();
+    for (v, row) in groups
+        .remainder()
+        .iter()
+        .zip(rows[done * w..].chunks_exact(w))
+    {
+        axpy(*v, &row[from..from + n], sums);
+    }
+    for (v, row) in v.iter().zip(rows.chunks_exact_mut(w)) {
+        axpy(-beta * v, sums, &mut row[from..from + n]);
+    }
+}
+
+/// Columns that are eliminated together, so that what lies to their right is read and written once for all of them.
+const PANEL: usize = 4;
+
+/// Gaussian elimination of the first q columns of a row-major block of w columns; the diagonal of U is kept inverted.
+/// `panel` is room for the columns at work, which are contiguous there.
+fn eliminate(
+    block: &mut [f64],
+    w: usize,
+    q: usize,
+    pivots: &mut [usize],
+    panel: &mut [f64],
+) -> bool {
+    let rows = block.len() / w;
+    let mut first = 0;
+    while first < q {
+        let end = (first + PANEL).min(q);
+        for (c, column) in panel.chunks_exact_mut(rows).take(end - first).enumerate() {
+            let from = block[first + c..].iter().step_by(w);
+            for (x, y) in column.iter_mut().zip(from).skip(first) {
+                *x = *y;
+            }
+        }
+        for k in first..end {
+            let (before, now) = panel.split_at_mut((k - first) * rows);
+            let (column, after) = now.split_at_mut(rows);
+            let mut pivot = k;
+            let mut best = column[k].abs();
+            for (r, x) in column.iter().enumerate().skip(k + 1) {
+                let size = x.abs();
+                if size > best {
+                    best = size;
+                    pivot = r;
+                }
+            }
+            pivots[k] = pivot;
+            if !(best > 0.0 && best.is_finite()) {
+                return false;
+            }
+            if pivot != k {
+                for other in before
+                    .chunks_exact_mut(rows)
+                    .chain(after.chunks_exact_mut(rows).take(end - k - 1))
+                {
+                    other.swap(k, pivot);
+                }
+                column.swap(k, pivot);
+                let (top, bottom) = block.split_at_mut(pivot * w);
+                top[k * w..(k + 1) * w].swap_with_slice(&mut bottom[..w]);
+            }
+            let inverse = 1.0 / column[k];
+            column[k] = inverse;
+            let multipliers = &mut column[k + 1..];
+            for l in multipliers.iter_mut() {
+                *l *= inverse;
+            }
+            for other in after.chunks_exact_mut(rows).take(end - k - 1) {
+                let (head, tail) = other.split_at_mut(k + 1);
+                axpy(-head[k], multipliers, tail);
+            }
+        }
+        for (c, column) in panel.chunks_exact(rows).take(end - first).enumerate() {
+            let to = block[first + c..].iter_mut().step_by(w);
+            for (x, y) in to.zip(column).skip(first) {
+                *x = *y;
+            }
+        }
+        for k in first + 1..end {
+            let (top, bottom) = block.split_at_mut(k * w);
+            let (multipliers, tail) = bottom[..w].split_at_mut(end);
+            for (l, above) in multipliers[first..k].iter().zip(first..k) {
+                axpy(-l, &top[above * w + end..(above + 1) * w], tail);
+            }
+        }
+        let (top, bottom) = block.split_at_mut(end * w);
+        if end - first == PANEL {
+            let above: [&[f64]; PANEL] =
+                std::array::from_fn(|k| &top[(first + k) * w + end..(first + k + 1) * w]);
+            for row in bottom.chunks_exact_mut(w) {
+                let (multipliers, tail) = row.split_at_mut(end);
+                let l: [f64; PANEL] = std::array::from_fn(|k| multipliers[first + k]);
+                subtract(l, above, tail);
+            }
+        } else {
+            for row in bottom.chunks_exact_mut(w) {
+                let (multipliers, tail) = row.split_at_mut(end);
+                for k in first..end {
+                    axpy(-multipliers[k], &top[k * w + end..(k + 1) * w], tail);
+                }
+            }
+        }
+        first = end;
+    }
     true
+}
+
+/// y -= Σ `l_k` `x_k`, the terms in order.
+fn subtract(l: [f64; PANEL], x: [&[f64]; PANEL], y: &mut [f64]) {
+    let n = y.len();
+    let [a, b, c, d] = x.map(|x| &x[..n]);
+    for j in 0..n {
+        y[j] = (((y[j] - l[0] * a[j]) - l[1] * b[j]) - l[2] * c[j]) - l[3] * d[j];
+    }
+}
+
+/// Four rows times x.
+fn products(rows: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
+    let n = x.len();
+    let rows = rows.map(|row| &row[..n]);
+    let mut sums = [[0.0; 2]; 4];
+    let whole = n - n % 2;
+    for j in (0..whole).step_by(2) {
+        for k in 0..4 {
+            sums[k][0] += rows[k][j] * x[j];
+            sums[k][1] += rows[k][j + 1] * x[j + 1];
+        }
+    }
+    if whole < n {
+        for k in 0..4 {
+            sums[k][0] += rows[k][whole] * x[whole];
+        }
+    }
+    sums.map(|s| s[0] + s[1])
+}
+
+/// L⁻¹ on the rows of an eliminated block, after its row exchanges.
+fn lower(block: &[f64], w: usize, q: usize, x: &mut [f64]) {
+    let rows = x.len();
+    let mut first = 0;
+    while first < rows {
+        let end = (first + 4).min(rows);
+        let known = first.min(q);
+        let (done, rest) = x.split_at_mut(first);
+        if end - first == 4 {
+            let at = |r: usize| &block[(first + r) * w..(first + r) * w + known];
+            let sums = products([at(0), at(1), at(2), at(3)], &done[..known]);
+            for (x, s) in rest.iter_mut().zip(sums) {
+                *x -= s;
+            }
+        } else {
+            for r in first..end {
+                rest[r - first] -= dot(&block[r * w..r * w + known], &done[..known]);
+            }
+        }
+        for r in first + 1..end {
+            for c in first..r.min(q) {
+                rest[r - first] -= block[r * w + c] * rest[c - first];
+            }
+        }
+        first = end;
+    }
+}
+
+/// y[..q] from the right-hand side there and the known y[q..w], U being the first q rows of a block with inverted diagonal.
+fn upper(block: &[f64], w: usize, q: usize, y: &mut [f64]) {
+    let mut end = q;
+    while end > 0 {
+        let first = end.saturating_sub(4);
+        let (head, known) = y.split_at_mut(end);
+        if end - first == 4 {
+            let at = |r: usize| &block[(first + r) * w + end..(first + r + 1) * w];
+            let sums = products([at(0), at(1), at(2), at(3)], known);
+            for (x, s) in head[first..].iter_mut().zip(sums) {
+                *x -= s;
+            }
+        } else {
+            for r in first..end {
+                head[r] -= dot(&block[r * w + end..(r + 1) * w], known);
+            }
+        }
+        for r in (first..end).rev() {
+            let row = &block[r * w..r * w + end];
+            let mut s = head[r];
+            for c in r + 1..end {
+                s -= row[c] * head[c];
+            }
+            head[r] = s * row[r];
+        }
+        end = first;
+    }
 }

@@ -2,11 +2,13 @@
 
 use num_complex::Complex64;
 
-use super::bordered::{Bordered, Row, apply};
+use super::bordered::{Bordered, Row};
 use super::collocation::Collocation;
 use super::cycle::Orbit;
 use super::floquet;
-use super::mesh;
+use super::frame::{self, Frame};
+use super::normal;
+use crate::curve::Mode;
 use crate::dense::{Spectrum, dot};
 use crate::kind::Kind;
 use crate::monitor::View;
@@ -17,12 +19,9 @@ pub(crate) struct Cycles<'a> {
     pub(crate) c: Collocation<'a>,
     settings: &'a Settings,
     bordered: Bordered,
-    phase: Row,
-    /// ∫⟨x_ref, x_ref'⟩, the target of the phase condition.
-    anchor: f64,
+    frame: Frame,
     arclength: Row,
     weights: Vec<f64>,
-    scale: f64,
     /// Largest fluctuation so far, and for how many points the parameter has stood still.
     largest: f64,
     still: usize,
@@ -30,16 +29,13 @@ pub(crate) struct Cycles<'a> {
 
 impl<'a> Cycles<'a> {
     pub(crate) fn new(c: Collocation<'a>, settings: &'a Settings) -> Self {
-        let scale = settings.state_scale;
         Self {
             c,
             settings,
             bordered: Bordered::default(),
-            phase: Row::default(),
-            anchor: 0.0,
+            frame: Frame::new(settings.state_scale),
             arclength: Row::default(),
             weights: Vec::new(),
-            scale,
             largest: 0.0,
             still: 0,
         }
@@ -63,6 +59,17 @@ impl<'a> Cycles<'a> {
             crate::dense::axpy(-1.0, &mean, x);
         }
         out
+    }
+}
+
+impl Cycles<'_> {
+    /// Coefficients at a special point; empty where they cannot be had.
+    fn normal_form(&mut self, node: &Node, mode: Mode, angle: f64) -> Vec<f64> {
+        if self.c.problem.is_approximate() || self.factor(&node.z).is_err() {
+            return Vec::new();
+        }
+        let phase = &self.frame.phase.nodes;
+        normal::coefficients(&self.c, &self.bordered, phase, mode, angle).unwrap_or_default()
     }
 }
 
@@ -108,7 +115,7 @@ impl Manifold for Cycles<'_> {
     fn residual(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         self.c.residual(z, out)?;
         if self.c.autonomous {
-            out[self.c.nodes()] = apply(&self.phase, z) - self.anchor;
+            out[self.c.nodes()] = self.frame.offset(z);
         }
         Ok(())
     }
@@ -127,7 +134,7 @@ impl Manifold for Cycles<'_> {
         self.arclength.ends.extend_from_slice(&row[nodes..]);
         let fine = if self.c.autonomous {
             self.bordered
-                .rows(&self.c.condensed, &[&self.phase, &self.arclength])
+                .rows(&self.c.condensed, &[&self.frame.phase, &self.arclength])
         } else {
             self.bordered.rows(&self.c.condensed, &[&self.arclength])
         };
@@ -155,28 +162,7 @@ impl Manifold for Cycles<'_> {
     }
 
     fn rescale(&mut self, z: &[f64]) {
-        let n = self.c.n;
-        let w = self.c.weights();
-        let square: f64 = w
-            .iter()
-            .zip(z.chunks_exact(n))
-            .map(|(w, x)| w * dot(x, x))
-            .sum();
-        let rms = (square / n as f64).sqrt();
-        if rms.is_finite() {
-            self.scale = self.scale.max(rms);
-        }
-        let s = 1.0 / (self.scale * self.scale * n as f64);
-        self.weights.clear();
-        for w in w {
-            for _ in 0..n {
-                self.weights.push(w * s);
-            }
-        }
-        let nodes = self.c.nodes();
-        if self.c.autonomous {
-            self.weights.push(z[nodes].powi(-2));
-        }
+        self.frame.weigh(&self.c, z, &mut self.weights);
         let first = self.c.first_parameter();
         self.weights
             .push(self.settings.parameter_scale(0, z[first]).powi(-2));
@@ -239,11 +225,15 @@ impl Manifold for Cycles<'_> {
         };
         if v.im.abs() > 1e-6 {
             let mut label = Label::plain(Kind::Torus);
-            label.omega = Some(v.arg().abs());
+            let angle = v.arg().abs();
+            label.omega = Some(angle);
+            label.normal_form = self.normal_form(found.node, Mode::Torus, angle);
             return Some(label);
         }
         if v.re < 0.0 {
-            return Some(Label::plain(Kind::PeriodDoubling));
+            let mut label = Label::plain(Kind::PeriodDoubling);
+            label.normal_form = self.normal_form(found.node, Mode::Doubling, std::f64::consts::PI);
+            return Some(label);
         }
         // A family without a moving parameter has multiplier one all along.
         let near = |n: &Node| {
@@ -258,45 +248,25 @@ impl Manifold for Cycles<'_> {
             return None;
         }
         let p = self.c.first_parameter();
-        let turns = found.before.tangent[p] * found.after.tangent[p] < 0.0;
-        Some(Label::plain(if turns {
-            Kind::CycleFold
+        if found.before.tangent[p] * found.after.tangent[p] < 0.0 {
+            let mut label = Label::plain(Kind::CycleFold);
+            label.normal_form = self.normal_form(found.node, Mode::Fold, 0.0);
+            Some(label)
         } else {
-            Kind::CycleBranchPoint
-        }))
+            Some(Label::plain(Kind::CycleBranchPoint))
+        }
     }
 
-    fn adapt(&mut self, z: &mut Vec<f64>, tangent: &mut Vec<f64>, count: usize) -> bool {
-        let s = &self.settings.mesh;
-        if s.every == 0 || !count.is_multiple_of(s.every) {
-            return false;
+    fn adapt(&mut self, z: &mut Vec<f64>, tangents: &mut [Vec<f64>], count: usize) -> bool {
+        let moved = frame::adapt(&mut self.c, &self.settings.mesh, z, tangents, count);
+        if moved {
+            self.accept(z);
         }
-        let (mesh, worst) = mesh::equidistribute(&self.c, z, s);
-        if mesh.len() == self.c.mesh.len() && s.bounds.0 != s.bounds.1 && worst < s.tolerance {
-            return false;
-        }
-        let nodes = self.c.nodes();
-        let still = vec![0.0; self.c.n];
-        let mut new_z = mesh::transfer(&self.c, z, &self.c.winding, &mesh);
-        let mut new_t = mesh::transfer(&self.c, tangent, &still, &mesh);
-        new_z.extend_from_slice(&z[nodes..]);
-        new_t.extend_from_slice(&tangent[nodes..]);
-        *z = new_z;
-        *tangent = new_t;
-        self.c.set_mesh(mesh);
-        self.accept(z);
-        true
+        moved
     }
 
     fn accept(&mut self, z: &[f64]) {
-        if !self.c.autonomous {
-            return;
-        }
-        let row = self.c.phase_row(z);
-        let size = dot(&row, &row).sqrt().max(1e-300);
-        self.phase.nodes = row.iter().map(|x| x / size).collect();
-        self.phase.ends = vec![0.0; self.c.borders()];
-        self.anchor = dot(&self.phase.nodes, &z[..self.c.nodes()]);
+        self.frame.anchor(&self.c, z);
     }
 
     fn restart(&mut self, node: &Node) {

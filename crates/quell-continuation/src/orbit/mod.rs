@@ -5,8 +5,10 @@ pub(crate) mod collocation;
 mod condense;
 mod cycle;
 pub(crate) mod floquet;
+pub(crate) mod frame;
 pub(crate) mod manifold;
-pub(crate) mod mesh;
+mod mesh;
+pub(crate) mod normal;
 mod rule;
 
 use num_complex::Complex64;
@@ -412,9 +414,8 @@ fn run_settled(
         let target = row[p] * z[p];
         corrector.correct(m, &mut z, &row, target, false)?;
         let before = m.c.mesh.len();
-        let mut tangent = vec![0.0; z.len()];
         if settings.mesh.every == 0
-            || !m.adapt(&mut z, &mut tangent, settings.mesh.every)
+            || !m.adapt(&mut z, &mut [], settings.mesh.every)
             || round > 2 && m.c.mesh.len() == before
         {
             break;

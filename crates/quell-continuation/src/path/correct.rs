@@ -164,6 +164,7 @@ impl<'a> Corrector<'a> {
             spectrum,
             tests,
             mesh: m.mesh(),
+            history: None,
         }
     }
 }

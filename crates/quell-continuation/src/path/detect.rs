@@ -86,11 +86,17 @@ struct Bracket {
     value: [Complex64; 2],
 }
 
+/// An eigenvalue so near the axis at its extremum touches it.
+const TOUCH: f64 = 1e-9;
+const UNKNOWN: Complex64 = Complex64::new(f64::NAN, f64::NAN);
+
 enum Follow {
     /// The distance of one eigenvalue.
     Distance,
     /// The slope of that distance.
     Slope,
+    /// That distance where it comes nearest to the axis, slopes being unknown.
+    Least,
     /// A test function.
     Test(usize),
 }
@@ -103,7 +109,7 @@ impl Corrector<'_> {
         s: f64,
     ) -> Result<Node, Failure> {
         let mut z = segment.guess(s);
-        self.correct(m, &mut z, &segment.row, segment.origin + s, false)?;
+        self.correct(m, &mut z, &segment.row, segment.origin + s, true)?;
         self.node(m, z, &segment.row)
     }
 
@@ -122,7 +128,7 @@ impl Corrector<'_> {
             return (f64::NAN, near);
         };
         let value = node.spectrum.values[i];
-        if matches!(follow, Follow::Distance) {
+        if matches!(follow, Follow::Distance | Follow::Least) {
             return (m.distance(value), value);
         }
         let slope: f64 = segment
@@ -211,6 +217,77 @@ impl Corrector<'_> {
         best.map(|(s, node, error, _, value)| (s, node, error, value))
     }
 
+    /// Where the distance of an eigenvalue that stays on its side at both ends is least (parabolas through the best three places,
+    /// golden section where they do not help), as soon as it is beyond the axis; None where it stays clear of it.
+    fn least<M: Manifold>(
+        &mut self,
+        m: &mut M,
+        segment: &Segment<'_>,
+        bracket: &Bracket,
+    ) -> Option<(f64, Node, f64, Complex64)> {
+        let side = if bracket.f[0] > 0.0 { 1.0 } else { -1.0 };
+        let [mut low, mut high] =
+            [0, 1].map(|k| (bracket.s[k], side * bracket.f[k], bracket.value[k]));
+        let mut best: Option<(f64, f64, Complex64, Node)> = None;
+        let golden = 0.5 * (3.0 - 5.0_f64.sqrt());
+        for round in 0..40 {
+            let width = high.0 - low.0;
+            let s = match &best {
+                None => low.0 + 0.5 * width,
+                Some((middle, value, ..)) => {
+                    let (p, q) = (middle - low.0, middle - high.0);
+                    let (u, v) = (value - high.1, value - low.1);
+                    let parabola = middle - 0.5 * (p * p * u - q * q * v) / (p * u - q * v);
+                    let larger = if p > -q { low.0 } else { high.0 };
+                    let close = (parabola - middle).abs() < 1e-3 * width;
+                    if parabola > low.0 && parabola < high.0 && !close && round % 4 != 3 {
+                        parabola
+                    } else {
+                        middle + golden * (larger - middle)
+                    }
+                }
+            };
+            let node = self.at(m, segment, s).ok()?;
+            let x = (s - low.0) / width;
+            let near = low.2 * (1.0 - x) + high.2 * x;
+            let (f, value) = Self::measure(m, segment, &node, &Follow::Least, near);
+            let f = side * f;
+            if !f.is_finite() {
+                return None;
+            }
+            let better = best.as_ref().is_none_or(|b| f < b.1);
+            if better {
+                if let Some((middle, other, value, _)) = best.take() {
+                    if middle < s {
+                        low = (middle, other, value);
+                    } else {
+                        high = (middle, other, value);
+                    }
+                }
+                best = Some((s, f, value, node));
+            } else if let Some((middle, ..)) = &best {
+                if s < *middle {
+                    low = (s, f, value);
+                } else {
+                    high = (s, f, value);
+                }
+            }
+            let (_, least, ..) = best.as_ref()?;
+            let depth = low.1.min(high.1) - least;
+            // Beyond the axis, or so flat that nothing is left to gain.
+            if *least <= 0.0 || high.0 - low.0 < 1e-5 * segment.length || depth.abs() < 1e-12 {
+                break;
+            }
+            // A dip that is half as deep as it is far from the axis does not reach it: three places of a parabola show all of it.
+            if round > 4 && depth > 0.0 && *least > (2.0 * depth).max(1e2 * TOUCH) {
+                return None;
+            }
+        }
+        let (s, f, value, node) = best?;
+        let width = high.0 - low.0;
+        (f <= TOUCH * (1.0 + value.norm())).then_some((s, node, width, value))
+    }
+
     /// Everything between two successive points, in order.
     pub(crate) fn examine<M: Manifold>(
         &mut self,
@@ -260,6 +337,9 @@ impl Corrector<'_> {
         let mut found: Vec<(Follow, Bracket, bool)> = Vec::new();
         for pair in &pairs {
             let (va, vb) = (a.spectrum.values[pair.from], b.spectrum.values[pair.to]);
+            if m.tested(va, vb) {
+                continue;
+            }
             let (fa, fb) = (m.distance(va), m.distance(vb));
             let crosses = (fa > 0.0) != (fb > 0.0);
             let near = fa.abs().min(fb.abs()) < 4.0 * (va - vb).norm();
@@ -288,21 +368,22 @@ impl Corrector<'_> {
                 ));
                 continue;
             }
-            let (ra, rb) = (
-                a.spectrum
-                    .rates
-                    .get(pair.from)
-                    .map_or(f64::NAN, |r| m.distance_rate(va, *r))
-                    / part.slopes[0],
-                b.spectrum
-                    .rates
-                    .get(pair.to)
-                    .map_or(f64::NAN, |r| m.distance_rate(vb, *r))
-                    / part.slopes[1],
+            let known = |s: &Spectrum, i: usize, slope: f64| {
+                let rate = s.rates.get(i).copied().unwrap_or(UNKNOWN);
+                m.distance_rate(s.values[i], rate) / slope
+            };
+            let exact = (
+                known(&a.spectrum, pair.from, part.slopes[0]),
+                known(&b.spectrum, pair.to, part.slopes[1]),
             );
-            if !(ra.is_finite() && rb.is_finite()) {
+            let exactly = exact.0.is_finite() && exact.1.is_finite();
+            let Some((ra, rb)) = (if exactly {
+                Some(exact)
+            } else {
+                a.slopes(m, pair.from, (fa, fb), length)
+            }) else {
                 continue;
-            }
+            };
             if pair.ambiguous
                 && near
                 && fraction > 8.0 * division
@@ -316,11 +397,16 @@ impl Corrector<'_> {
                     extremum(side * fa, side * fb, side * ra * length, side * rb * length);
                 // The cubic's own error is taken as half the depth of its dip.
                 if least - 0.5 * depth <= 0.0 {
+                    let f = if exactly { [ra, rb] } else { [fa, fb] };
                     found.push((
-                        Follow::Slope,
+                        if exactly {
+                            Follow::Slope
+                        } else {
+                            Follow::Least
+                        },
                         Bracket {
                             s: [0.0, length],
-                            f: [ra, rb],
+                            f,
                             value: [va, vb],
                         },
                         false,
@@ -333,6 +419,8 @@ impl Corrector<'_> {
                 && let Ok(middle) = self.at(m, &part, 0.5 * length)
             {
                 self.search(m, whole, a, &middle, 0.5 * fraction, division, start, zeros);
+                let mut middle = middle;
+                middle.remember(m, a);
                 self.search(
                     m,
                     whole,
@@ -359,7 +447,16 @@ impl Corrector<'_> {
             let ends = bracket.f;
             let values = bracket.value;
             let outer = [m.distance(values[0]), m.distance(values[1])];
-            let Some((s, node, error, value)) = self.root(m, &part, &follow, bracket) else {
+            let reached = if matches!(follow, Follow::Least) {
+                // What does not come near the axis is nothing.
+                match self.least(m, &part, &bracket) {
+                    Some(found) => Some(found),
+                    None => continue,
+                }
+            } else {
+                self.root(m, &part, &follow, bracket)
+            };
+            let Some((s, node, error, value)) = reached else {
                 zeros.push(Zero {
                     s: place(length),
                     node: b.clone(),
@@ -381,7 +478,7 @@ impl Corrector<'_> {
                 continue;
             }
             let distance = m.distance(value);
-            if distance.abs() <= 1e-9 * (1.0 + value.norm()) {
+            if distance.abs() <= TOUCH * (1.0 + value.norm()) {
                 zeros.push(Zero {
                     s: place(s),
                     node,

@@ -70,6 +70,7 @@ pub(crate) fn follow_both<M: Manifold>(
                 let target = row[fixed] * z[fixed];
                 match corrector.correct(m, &mut z, &row, target, false) {
                     Ok(_) => {
+                        z[fixed] = guess[fixed];
                         found = Some((z, row));
                         break;
                     }
@@ -119,11 +120,17 @@ pub(crate) fn follow_both<M: Manifold>(
             (corrector.node(m, z, &row)?, true)
         }
     };
-    let forward = if settings.directions == Directions::Backward && !along {
+    let value = node.z[m.parameters()[0]];
+    let wanted = settings.at.contains(&value).then(|| (0, node.clone()));
+    let mut forward = if settings.directions == Directions::Backward && !along {
         empty(&node, Stop::NotAsked)
     } else {
         follow(m, settings, node.clone())
     };
+    // The start itself is met by neither direction.
+    if let Some(start) = wanted {
+        forward.at.insert(0, start);
+    }
     let backward = if settings.directions == Directions::Forward || along {
         empty(&node, Stop::NotAsked)
     } else {
@@ -247,9 +254,15 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
                 current = false;
             }
         }
+        let stop = m.stop(&a, &b);
+        if stop == Some(Stop::Vanished) {
+            // Where an orbit shrinks to an equilibrium and grows again beyond it, a multiplier touches +1 and nothing happens.
+            a.history = None;
+        }
         let mut ended = None;
         if settings.detect {
             let found = corrector.examine(m, &a, &b, trace.nodes.len() - 1);
+            b.remember(m, &a);
             if !found.is_empty() {
                 current = false;
             }
@@ -275,7 +288,6 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
             trace.stop = stop;
             return trace;
         }
-        let stop = m.stop(&a, &b);
         trace.nodes.push(b.clone());
         if let Some(k) = bound {
             trace.stop = Stop::Bound(k);
@@ -300,34 +312,30 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
         step = (step * by_angle.min(by_newton).clamp(0.4, 1.6))
             .min(settings.maximum_step)
             .max(settings.minimum_step);
-        previous = Some((a.tangent, length));
         m.accept(&b.z);
-        let mut tangent = b.tangent.clone();
+        let mut tangents = [b.tangent.clone(), a.tangent];
         let mut z = b.z.clone();
-        if m.adapt(&mut z, &mut tangent, trace.nodes.len()) {
-            previous = None;
+        if m.adapt(&mut z, &mut tangents, trace.nodes.len()) {
+            // The same orbit on another mesh; the next correction is the first that works on it.
             m.rescale(&z);
-            let row: Vec<f64> = tangent
-                .iter()
-                .zip(m.weights())
-                .map(|(t, w)| t * w)
-                .collect();
-            let target: f64 = row.iter().zip(&z).map(|(r, z)| r * z).sum();
-            let again = corrector
-                .correct(m, &mut z, &row, target, false)
-                .and_then(|_| corrector.node(m, z, &row));
-            match again {
-                Ok(node) => {
-                    m.accept(&node.z);
-                    b = node;
-                    current = true;
-                }
-                Err(failure) => {
-                    trace.stop = failure.into();
-                    return trace;
+            for tangent in &mut tangents {
+                let size = inner(m.weights(), tangent, tangent).sqrt();
+                for t in tangent {
+                    *t /= size;
                 }
             }
+            let [tangent, before] = tangents;
+            previous = Some((before, length));
+            b = Node {
+                z,
+                tangent,
+                mesh: m.mesh(),
+                ..b
+            };
+            current = false;
         } else {
+            let [_, before] = tangents;
+            previous = Some((before, length));
             m.rescale(&b.z);
             let size = inner(m.weights(), &b.tangent, &b.tangent).sqrt();
             for t in &mut b.tangent {

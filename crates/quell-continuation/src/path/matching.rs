@@ -1,5 +1,8 @@
 //! Which eigenvalue of one point becomes which of the next.
 
+use num_complex::Complex64;
+
+use super::{Manifold, Node, inner};
 use crate::dense::Spectrum;
 
 /// A pair of matched eigenvalues.
@@ -41,4 +44,40 @@ pub(crate) fn assign(a: &Spectrum, b: &Spectrum, cost: impl Fn(usize, usize) -> 
     }
     pairs.sort_by_key(|p| p.from);
     pairs
+}
+
+impl Node {
+    /// Notes what its eigenvalues were at the point before, unless their rates are known.
+    pub(crate) fn remember<M: Manifold>(&mut self, m: &M, before: &Self) {
+        if self.spectrum.rates.iter().all(|r| r.re.is_finite()) || before.z.len() != self.z.len() {
+            return;
+        }
+        let unknown = Complex64::new(f64::NAN, f64::NAN);
+        let mut values = vec![unknown; self.spectrum.values.len()];
+        let pairs = assign(&before.spectrum, &self.spectrum, |i, j| {
+            m.gap(before.spectrum.values[i], self.spectrum.values[j])
+        });
+        for pair in pairs.iter().filter(|pair| !pair.ambiguous) {
+            values[pair.to] = before.spectrum.values[pair.from];
+        }
+        let chord: Vec<f64> = self.z.iter().zip(&before.z).map(|(b, a)| b - a).collect();
+        let length = inner(m.weights(), &chord, &chord).sqrt();
+        self.history = (length > 0.0).then_some((values, length));
+    }
+
+    /// Slopes of a distance at this point and at the next, `length` further, by the parabola through three points:
+    /// eigenvalue `index` is at `here` now and at `there` then.
+    pub(crate) fn slopes<M: Manifold>(
+        &self,
+        m: &M,
+        index: usize,
+        (here, there): (f64, f64),
+        length: f64,
+    ) -> Option<(f64, f64)> {
+        let (values, past) = self.history.as_ref()?;
+        let before = m.distance(*values.get(index)?);
+        let (last, now) = ((here - before) / past, (there - here) / length);
+        let slope = (last * length + now * past) / (length + past);
+        slope.is_finite().then_some((slope, 2.0 * now - slope))
+    }
 }

@@ -58,6 +58,10 @@ pub(crate) trait Manifold {
     fn longest_gap(&self) -> f64 {
         f64::INFINITY
     }
+    /// Whether a test function of its own finds what happens where an eigenvalue goes from a to b; spectra are not looked at then.
+    fn tested(&self, _a: Complex64, _b: Complex64) -> bool {
+        false
+    }
     /// Derivative of the distance.
     fn distance_rate(&self, value: Complex64, rate: Complex64) -> f64;
     /// Test functions whose simple zeros are special points.
@@ -66,8 +70,8 @@ pub(crate) trait Manifold {
     }
     /// What a located zero is, or None where it is nothing.
     fn classify(&mut self, found: &Found<'_>) -> Option<Label>;
-    /// Adapts the representation (mesh) at an accepted point; true if z and the tangent changed.
-    fn adapt(&mut self, _z: &mut Vec<f64>, _tangent: &mut Vec<f64>, _count: usize) -> bool {
+    /// Adapts the representation (mesh) at an accepted point; true if z and the tangents changed.
+    fn adapt(&mut self, _z: &mut Vec<f64>, _tangents: &mut [Vec<f64>], _count: usize) -> bool {
         false
     }
     /// Called at every accepted point (phase reference).
@@ -97,6 +101,8 @@ pub(crate) struct Node {
     pub(crate) spectrum: Spectrum,
     pub(crate) tests: Vec<f64>,
     pub(crate) mesh: Vec<f64>,
+    /// What its eigenvalues were at the point before, and how far away that is; None where their rates are known.
+    pub(crate) history: Option<(Vec<Complex64>, f64)>,
 }
 
 impl Node {
@@ -165,11 +171,19 @@ pub(crate) struct Located {
 
 /// Σ w a b.
 pub(crate) fn inner(w: &[f64], a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for ((w, a), b) in w.iter().zip(a).zip(b) {
-        sum += w * a * b;
+    let mut sums = [0.0; 4];
+    let n = w.len().min(a.len()).min(b.len());
+    let whole = n - n % 4;
+    for k in (0..whole).step_by(4) {
+        let (w, a, b) = (&w[k..k + 4], &a[k..k + 4], &b[k..k + 4]);
+        for i in 0..4 {
+            sums[i] += w[i] * a[i] * b[i];
+        }
     }
-    sum
+    for k in whole..n {
+        sums[0] += w[k] * a[k] * b[k];
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
 /// The direction of the other branch at a branch point: a null vector of [F_z; row] by inverse iteration, made orthogonal

@@ -363,10 +363,30 @@ fn s3_and_s4_fold_curves() {
             .fold(f64::INFINITY, f64::min);
         assert!(gap < 2e-6, "{gap:e}");
     }
-    // The torus curve through the first torus point passes both.
-    let s = Settings::new(&[(0.9, 1.5), (0.05, 0.2)]);
+    let on_folds: Vec<[f64; 2]> = c
+        .of(Kind::Resonance1)
+        .iter()
+        .map(|r| {
+            [
+                r.solution.orbit.parameters[0],
+                r.solution.orbit.parameters[1],
+            ]
+        })
+        .collect();
+    // The torus curve ends at one of them, where its angle vanishes: another system of equations for the same point.
+    let s = Settings::new(&[(0.9, 2.0), (0.05, 0.3)]);
     let c = cycle_curve(&problem, b.of(Kind::Torus)[0], [0, 1], &s).unwrap();
-    assert!(c.points.len() > 5, "{}", show_cycles(&c, [0, 1]));
+    let ends = c.of(Kind::Resonance1);
+    assert!(!ends.is_empty(), "{}", show_cycles(&c, [0, 1]));
+    for end in ends {
+        let p = &end.solution.orbit.parameters;
+        let gap = on_folds
+            .iter()
+            .map(|f| (f[0] - p[0]).abs().max((f[1] - p[1]).abs()))
+            .fold(f64::INFINITY, f64::min);
+        assert!(gap < 1e-6, "{gap:e} {}", show_cycles(&c, [0, 1]));
+    }
+    let s = Settings::new(&[(0.9, 1.5), (0.05, 0.2)]);
     let mut at = s.clone();
     at.at = vec![b.of(Kind::Torus)[1].solution.parameters[0]];
     let c = cycle_curve(&problem, b.of(Kind::Torus)[0], [0, 1], &at).unwrap();
@@ -408,6 +428,7 @@ fn s5_period_doubling_curve() {
         [1e-8, 2e-8],
     );
     close(t, 9.058_318_221, 1e-8);
+    assert_eq!(c.special.len(), 2, "{}", show_cycles(&c, [0, 1]));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Automatic diagrams.
 
-use crate::support::Exact;
 use crate::support::models::*;
+use crate::support::{Exact, Field, Real};
 use quell_continuation::{DiagramSettings, Kind, Settings, Stop, diagram};
 
 #[test]
@@ -82,4 +82,45 @@ fn a_vertical_family_ends_as_degenerate() {
     assert_eq!((d.equilibria.len(), d.cycles.len()), (1, 1));
     assert_eq!(d.cycles[0].branch.stop[1], Stop::DegenerateFamily);
     assert!(d.cycles[0].branch.special.is_empty());
+}
+
+/// x' = x (x - 0.004 p) (x + 0.007) exp(-(x / 0.02)²): three equilibria near rest, and nothing that leads to them from afar.
+struct Close;
+impl Field for Close {
+    const N: usize = 1;
+    const P: usize = 1;
+    fn f<R: Real>(&self, _t: R, x: &[R], p: &[R], out: &mut [R]) {
+        let x = x[0];
+        let far = x * R::from(50.0);
+        out[0] = R::from(1e4)
+            * x
+            * (x - R::from(0.004) * p[0])
+            * (x + R::from(0.007))
+            * (-(far * far)).exp();
+    }
+}
+
+#[test]
+fn equilibria_much_closer_together_than_the_box_is_wide() {
+    let problem = Exact::<_, 1>(Close);
+    let mut branch = Settings::new(&[(0.5, 1.5)]);
+    branch.state_scale = 1e-3;
+    let s = DiagramSettings {
+        branch,
+        states: vec![(-1.0, 1.0)],
+        starts: 24,
+        depth: 1,
+    };
+    let d = diagram(&problem, &[1.0], 0, &s).unwrap();
+    let mut found: Vec<f64> = d
+        .equilibria
+        .iter()
+        .map(|m| m.branch.points[0].solution.state[0])
+        .collect();
+    found.sort_by(f64::total_cmp);
+    assert_eq!(found.len(), 3, "{found:?}");
+    assert!(
+        (found[0] + 0.007).abs() < 1e-9 && found[1].abs() < 1e-9,
+        "{found:?}"
+    );
 }

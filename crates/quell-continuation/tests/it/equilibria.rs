@@ -348,6 +348,10 @@ fn requested_values_are_met_exactly() {
     let b = equilibria(&problem, &[-1.4], &[-1.0, 1.0], 0, &s).unwrap();
     // The S-shaped curve passes each value three times.
     assert_eq!(b.at.len(), 6);
+    // The value that it starts at counts as well.
+    s.at = vec![-1.0, -0.5];
+    let c = equilibria(&problem, &[-1.2], &[-0.5, 1.0], 0, &s).unwrap();
+    assert_eq!(c.at.len(), 2);
     for p in &b.at {
         let (x, mu) = (p.solution.state[0], p.solution.parameters[0]);
         assert!(mu == 0.0 || mu == 0.25);

@@ -17,10 +17,15 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod codimension;
+mod crossings;
 mod curves;
 mod cycles;
 mod diagrams;
 mod equilibria;
+mod meshes;
+mod normal_forms;
+mod rotations;
 
 /// Relative agreement.
 pub fn close(found: f64, expected: f64, tolerance: f64) {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 use quell_document::Fault;
 use quell_expression::{Dimension, Quantity, Slot, Span, Unit};
-use quell_model::EquationHost;
-use quell_model::system::{EquilibriumStatus, Owner, Slopes, System};
+use quell_model::system::{EquilibriumStatus, Owner, Slopes, StateKind, System};
+use quell_model::{EquationHost, Measure as CoordinateMeasure};
 
 use super::ask::{ContinuationTask, Measure, ParameterRange};
 use super::field::{Assignment, Field};
@@ -227,6 +227,18 @@ impl Model {
     pub(super) fn states(&self) -> Vec<String> {
         let states = self.system.states().iter();
         states.map(|state| state.name.clone()).collect()
+    }
+
+    /// Which states are angles: coordinates that the host declares as rotations.
+    pub(super) fn angles(&self) -> Vec<bool> {
+        let angle = |name: &str| {
+            let mut coordinates = self.host.coordinates.iter();
+            coordinates.any(|one| one.name == name && one.kind == CoordinateMeasure::Rotation)
+        };
+        let states = self.system.states().iter();
+        states
+            .map(|state| state.kind != StateKind::Rate && angle(&state.name))
+            .collect()
     }
 
     /// The system.

@@ -142,9 +142,14 @@ impl Reporter<'_> {
 fn named(kind: Kind, coefficients: &[f64]) -> Vec<(&'static str, f64)> {
     let names: &[&'static str] = match kind {
         Kind::Hopf => &["l1"],
+        Kind::HopfHopf if coefficients.len() == 4 => &["p11", "p12", "p21", "p22"],
         // Of either pair by itself.
         Kind::HopfHopf => &["l1", "l1_second"],
+        Kind::ZeroHopf => &["f200", "g110", "f011"],
         Kind::BogdanovTakens => &["a", "b"],
+        Kind::CycleFold => &["b"],
+        Kind::Cusp | Kind::PeriodDoubling => &["c"],
+        Kind::Torus => &["d", "d_imaginary"],
         _ => &["a", "b", "c", "d"],
     };
     names

@@ -1,6 +1,8 @@
 //! The cycle on which a run in time ends, as a start.
 
-use quell_continuation::Samples;
+use std::f64::consts::TAU;
+
+use quell_continuation::{Problem, Samples};
 use quell_document::Fault;
 use quell_expression::{Dimension, Span};
 use quell_response::transient::{End, Method, Settings, Trajectory, simulate};
@@ -16,6 +18,8 @@ pub(super) struct Settled {
     states: Vec<Vec<f64>>,
     period: f64,
     periods: usize,
+    /// Turns of each angle in the period.
+    winding: Vec<i32>,
 }
 
 impl Settled {
@@ -25,7 +29,7 @@ impl Settled {
             states: &self.states,
             period: self.period,
             periods: self.periods,
-            winding: &[],
+            winding: &self.winding,
         }
     }
 }
@@ -96,25 +100,119 @@ pub(super) fn samples(
             "the run `{name}` did not last to its end, so it ends on no cycle"
         )));
     }
+    let angles = model.angles();
     let turn = match model.forcing_period(&base) {
         Some(period) => Some(period),
-        None => turn(&trajectory),
+        None => revolution(&trajectory, &angles).or_else(|| turn(&trajectory)),
     };
-    let closed = turn.and_then(|turn| closed(&trajectory, turn));
-    let Some((period, turns)) = closed else {
+    let closed = turn.and_then(|turn| closed(&trajectory, turn, &angles));
+    let Some(Cycle {
+        period,
+        turns,
+        winding,
+    }) = closed
+    else {
         return Err(fault(format!("the run `{name}` does not end on a cycle"))
             .help("let it last longer, or start it nearer to the cycle; near an equilibrium use `start = \"equilibrium\"`"));
     };
+    if let Some(index) = winding.iter().position(|turns| *turns != 0)
+        && !same_after_turns(model, &base, &trajectory, &winding)
+    {
+        let state = model.states().get(index).cloned().unwrap_or_default();
+        return Err(fault(format!(
+            "in the run `{name}` the angle `{state}` goes on turning, but after whole turns of it the equations are not the same"
+        ))
+        .help("branches are of motions that repeat: an angle may turn where it enters by `sin` and `cos` alone"));
+    }
     let end = trajectory.to();
     let times: Vec<f64> = (0..=SAMPLES)
         .map(|index| end - period + period * index as f64 / SAMPLES as f64)
         .collect();
+    let mut states: Vec<Vec<f64>> = times.iter().map(|t| trajectory.state(*t)).collect();
+    // An angle that turns begins within its first turn, however many it has made by now.
+    let whole: Vec<f64> = winding
+        .iter()
+        .zip(states.first().map_or(&[][..], Vec::as_slice))
+        .map(|(turns, angle)| {
+            if *turns == 0 {
+                0.0
+            } else {
+                (angle / TAU).floor() * TAU
+            }
+        })
+        .collect();
+    for state in &mut states {
+        for (value, whole) in state.iter_mut().zip(&whole) {
+            *value -= whole;
+        }
+    }
     Ok(Settled {
-        states: times.iter().map(|t| trajectory.state(*t)).collect(),
+        states,
         times,
         period,
         periods: if model.forced() { turns } else { 1 },
+        winding,
     })
+}
+
+/// Whether the rates at the end of a run are the same after the turns of its angles.
+fn same_after_turns(model: &Model, base: &[f64], trajectory: &Trajectory, winding: &[i32]) -> bool {
+    let field = model.field();
+    let t = trajectory.to();
+    let here = trajectory.end_state();
+    let there: Vec<f64> = here
+        .iter()
+        .zip(winding)
+        .map(|(value, turns)| value - TAU * f64::from(*turns))
+        .collect();
+    let (mut a, mut b) = (vec![0.0; here.len()], vec![0.0; here.len()]);
+    field.value(t, &here, base, &mut a);
+    field.value(t, &there, base, &mut b);
+    // Rounding of an angle of many turns is far below; a spring on the angle is far above.
+    let size = a.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= 1e-6 * size)
+}
+
+/// The time in which the angle that turns fastest at the end has made its last turn; None where none makes one.
+fn revolution(trajectory: &Trajectory, angles: &[bool]) -> Option<f64> {
+    let (from, end) = (trajectory.from(), trajectory.to());
+    let last = trajectory.state(end);
+    let times: Vec<f64> = trajectory.step_times().collect();
+    let gone = |index: usize, t: f64| {
+        let now = trajectory.state(t);
+        match (last.get(index), now.get(index)) {
+            (Some(last), Some(now)) => (last - now).abs(),
+            _ => 0.0,
+        }
+    };
+    (0..last.len())
+        .filter(|index| angles.get(*index).copied().unwrap_or(false))
+        .filter_map(|index| {
+            let before = times
+                .iter()
+                .rev()
+                .find(|t| **t < end && gone(index, **t) >= TAU)?;
+            let (mut a, mut b) = (*before, end);
+            for _ in 0..60 {
+                let half = 0.5 * (a + b);
+                if gone(index, half) >= TAU {
+                    a = half;
+                } else {
+                    b = half;
+                }
+            }
+            (a > from).then_some(end - a)
+        })
+        .min_by(f64::total_cmp)
+}
+
+/// A motion that is where it was.
+struct Cycle {
+    period: f64,
+    /// How many turns, or periods of the forcing, it takes.
+    turns: usize,
+    /// Whole turns of each angle.
+    winding: Vec<i32>,
 }
 
 /// The time between the last two rises of the state that swings most through the middle of its swing.
@@ -162,8 +260,8 @@ fn swing(states: &[Vec<f64>], index: usize) -> (f64, f64) {
         })
 }
 
-/// The shortest multiple of a turn after which the motion is where it was: the time, and how many turns.
-fn closed(trajectory: &Trajectory, turn: f64) -> Option<(f64, usize)> {
+/// The shortest multiple of a turn after which the motion is where it was, but for whole turns of angles.
+fn closed(trajectory: &Trajectory, turn: f64, angles: &[bool]) -> Option<Cycle> {
     let end = trajectory.to();
     let last = trajectory.state(end);
     let recent: Vec<Vec<f64>> = (0..100)
@@ -175,10 +273,32 @@ fn closed(trajectory: &Trajectory, turn: f64) -> Option<(f64, usize)> {
             return None;
         }
         let before = trajectory.state(end - period);
-        let near = last.iter().zip(&before).enumerate().all(|(index, (a, b))| {
-            let (low, high) = swing(&recent, index);
-            (a - b).abs() <= CLOSED * (high - low) + 1e-12 * (1.0 + a.abs())
-        });
-        near.then_some((period, turns))
+        let winding: Vec<i32> = last
+            .iter()
+            .zip(&before)
+            .zip(angles)
+            .map(|((a, b), angle)| {
+                if *angle {
+                    ((a - b) / TAU).round() as i32
+                } else {
+                    0
+                }
+            })
+            .collect();
+        let near =
+            last.iter()
+                .zip(&before)
+                .zip(&winding)
+                .enumerate()
+                .all(|(index, ((a, b), turns))| {
+                    let (low, high) = swing(&recent, index);
+                    let gap = a - b - TAU * f64::from(*turns);
+                    gap.abs() <= CLOSED * (high - low) + 1e-12 * (1.0 + a.abs())
+                });
+        near.then_some(Cycle {
+            period,
+            turns,
+            winding,
+        })
     })
 }

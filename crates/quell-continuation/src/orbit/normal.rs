@@ -1,0 +1,256 @@
+//! Normal forms of cycles at a fold, a period doubling or a torus point, on the condensed linearisation.
+//!
+//! Coefficients of the periodic normal forms of G. Iooss (J. Differential Equations 76, 1988), by the solvability conditions of
+//! Kuznetsov, Govaerts, Doedel and Dhooge (SIAM J. Numer. Anal. 43, 2005), their integrals being those of the collocation
+//! equations: what is orthogonal to the discrete adjoint is exactly what the discrete equations can be solved for.
+
+use num_complex::Complex64;
+
+use super::bordered::Bordered;
+use super::collocation::Collocation;
+use crate::curve::{Mode, ReducedPhase, Variation};
+use crate::dense::Lu;
+use crate::equilibrium::normal::{Forms, bilinear, conj};
+
+type C = Complex64;
+
+/// Coefficients of a critical cycle as [`Kind`](crate::Kind) states them, at the linearisation at hand; None where second or third
+/// derivatives are not available or a system is singular.
+pub(crate) fn coefficients(
+    c: &Collocation<'_>,
+    bordered: &Bordered,
+    phase: &[f64],
+    mode: Mode,
+    angle: f64,
+) -> Option<Vec<f64>> {
+    let point = Point::new(c, bordered, phase);
+    let own = point.phase.as_ref().filter(|_| mode == Mode::Fold);
+    let mu = match mode {
+        Mode::Fold => C::new(1.0, 0.0),
+        Mode::Doubling => C::new(-1.0, 0.0),
+        Mode::Torus => C::from_polar(1.0, angle),
+    };
+    let mut variation = Variation::default();
+    variation.begin(c, bordered, mu, own);
+    if !variation.solve(c, bordered, mu, own) {
+        return None;
+    }
+    let part = |k: usize| -> Vec<f64> {
+        let mut out = vec![0.0; c.nodes()];
+        if !variation.v[k].is_empty() {
+            variation.values(c, &variation.v[k], mu, k, &mut out);
+        }
+        out
+    };
+    let mut v: Vec<C> = part(0)
+        .into_iter()
+        .zip(part(1))
+        .map(|(re, im)| C::new(re, im))
+        .collect();
+    let left: Vec<C> = (0..c.nodes())
+        .map(|k| {
+            C::new(
+                variation.w[0][k],
+                variation.w[1].get(k).copied().unwrap_or(0.0),
+            )
+        })
+        .collect();
+    // The mean over a period of |v|² is one.
+    let size = point.mean_square(&v).sqrt();
+    for x in &mut v {
+        *x /= size;
+    }
+    let norm = point.pair(&left, &v);
+    let found = match mode {
+        Mode::Fold => {
+            // v' = A v + σ f: the phase runs by σ slower for each unit of amplitude.
+            let sigma = variation.tau / size / c.period;
+            let mut source = point.second(&v, &v)?;
+            let image = point.image(&v);
+            for (s, a) in source.iter_mut().zip(&image) {
+                *s = *s * 0.5 + a * sigma;
+            }
+            // The phase of v does not matter, but its sign does: the largest mean of the normal form is positive.
+            vec![(point.pair(&left, &source) / norm).re.abs()]
+        }
+        Mode::Doubling => {
+            let (h2, a) = point.solve(&point.second(&v, &v)?, C::new(1.0, 0.0))?;
+            let mut source = point.third(&v, &v, &v)?;
+            let mixed = point.second(&v, &h2)?;
+            let image = point.image(&v);
+            for k in 0..source.len() {
+                source[k] = source[k] / 6.0 + mixed[k] * 0.5 - image[k] * (0.5 * a);
+            }
+            vec![(point.pair(&left, &source) / norm).re]
+        }
+        Mode::Torus => {
+            let bar = conj(&v);
+            let (h20, _) = point.solve(&point.second(&v, &v)?, mu * mu)?;
+            let (h11, a) = point.solve(&point.second(&v, &bar)?, C::new(1.0, 0.0))?;
+            let mut source = point.third(&v, &v, &bar)?;
+            let one = point.second(&v, &h11)?;
+            let two = point.second(&bar, &h20)?;
+            let image = point.image(&v);
+            for k in 0..source.len() {
+                source[k] = source[k] * 0.5 + one[k] + two[k] * 0.5 - image[k] * a;
+            }
+            let d = point.pair(&left, &source) / norm;
+            vec![d.re, d.im]
+        }
+    };
+    found.iter().all(|x| x.is_finite()).then_some(found)
+}
+
+/// The linearisation with what every integral needs.
+struct Point<'c, 'p> {
+    c: &'c Collocation<'p>,
+    bordered: &'c Bordered,
+    /// The phase condition, where there is one.
+    phase: Option<ReducedPhase>,
+}
+
+impl<'c, 'p> Point<'c, 'p> {
+    fn new(c: &'c Collocation<'p>, bordered: &'c Bordered, phase: &[f64]) -> Self {
+        Self {
+            c,
+            bordered,
+            phase: c.autonomous.then(|| ReducedPhase::of(c, bordered, phase)),
+        }
+    }
+
+    /// (weight of Gauss point, its index) in order.
+    fn gauss(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let m = self.c.rule.m;
+        (0..self.c.count()).flat_map(move |i| (0..m).map(move |k| (i * m + k, self.c.step(i))))
+    }
+
+    /// Mean over a period of |v|².
+    fn mean_square(&self, v: &[C]) -> f64 {
+        let (n, m) = (self.c.n, self.c.rule.m);
+        self.gauss()
+            .map(|(e, h)| {
+                let sum: f64 = v[e * n..(e + 1) * n].iter().map(C::norm_sqr).sum();
+                h * self.c.rule.gauss[e % m] * sum
+            })
+            .sum()
+    }
+
+    /// ∫⟨w, g⟩ as the collocation equations weigh it.
+    fn pair(&self, w: &[C], g: &[C]) -> C {
+        let n = self.c.n;
+        self.gauss()
+            .map(|(e, h)| bilinear(&w[e * n..(e + 1) * n], &g[e * n..(e + 1) * n]) * h)
+            .sum()
+    }
+
+    /// A v.
+    fn image(&self, v: &[C]) -> Vec<C> {
+        let n = self.c.n;
+        let mut out = Vec::with_capacity(v.len());
+        for (e, v) in v.chunks_exact(n).enumerate() {
+            let jacobian = &self.c.jacobians[e * n * n..(e + 1) * n * n];
+            for row in jacobian.chunks_exact(n) {
+                out.push(row.iter().zip(v).map(|(a, v)| v * *a).sum());
+            }
+        }
+        out
+    }
+
+    fn forms(&self, e: usize) -> Forms<'_> {
+        let n = self.c.n;
+        Forms {
+            problem: self.c.problem,
+            t: self.c.times[e],
+            x: &self.c.states[e * n..(e + 1) * n],
+            p: &self.c.parameters,
+        }
+    }
+
+    fn second(&self, u: &[C], v: &[C]) -> Option<Vec<C>> {
+        let n = self.c.n;
+        let mut out = Vec::with_capacity(u.len());
+        for (e, (u, v)) in u.chunks_exact(n).zip(v.chunks_exact(n)).enumerate() {
+            out.extend(self.forms(e).second(u, v)?);
+        }
+        Some(out)
+    }
+
+    fn third(&self, u: &[C], v: &[C], w: &[C]) -> Option<Vec<C>> {
+        let n = self.c.n;
+        let mut out = Vec::with_capacity(u.len());
+        for e in 0..u.len() / n {
+            let at = |x: &'_ [C]| x[e * n..(e + 1) * n].to_vec();
+            out.extend(self.forms(e).third(&at(u), &at(v), &at(w))?);
+        }
+        Some(out)
+    }
+
+    /// h at Gauss points with h' = A h + g - a f and h(T) = μ h(0), and a: zero but at μ = 1 of an autonomous problem, where it
+    /// makes the equation solvable and h is free of the flow.
+    fn solve(&self, g: &[C], mu: C) -> Option<(Vec<C>, f64)> {
+        let c = self.c;
+        let n = c.n;
+        let phase = self.phase.as_ref().filter(|_| mu.re == 1.0 && mu.im == 0.0);
+        let (size, matrix) = Variation::reduced(c, self.bordered, mu, phase);
+        let mut lu = Lu::new();
+        if !lu.factor(size, &matrix) {
+            return None;
+        }
+        let mut right = vec![C::default(); size];
+        let mut carried = Vec::new();
+        // A real equation has a real solution.
+        let real = mu.im == 0.0 && g.iter().all(|x| x.im == 0.0);
+        for part in 0..if real { 1 } else { 2 } {
+            let mut data = vec![0.0; c.nodes()];
+            for (e, h) in self.gauss() {
+                for k in e * n..(e + 1) * n {
+                    data[k] = h * c.period * if part == 0 { g[k].re } else { g[k].im };
+                }
+            }
+            let (mut mids, mut last) = (Vec::new(), vec![0.0; n]);
+            c.condensed.forward(&mut data, &mut mids, &mut last);
+            let unit = if part == 0 { C::new(1.0, 0.0) } else { C::i() };
+            for (r, x) in right.iter_mut().zip(&last) {
+                *r += unit * *x;
+            }
+            if let Some(phase) = phase {
+                right[n] -= unit
+                    * c.condensed
+                        .eliminated(&phase.inner, &phase.mids, &data, &mids);
+            }
+            carried.push((data, mids));
+        }
+        lu.solve(&mut right);
+        let sigma = right.get(n).copied().unwrap_or_default();
+        let mut values = Vec::new();
+        for (part, (data, mids)) in carried.iter_mut().enumerate() {
+            let take = |x: C| if part == 0 { x.re } else { x.im };
+            if phase.is_some() {
+                let (column, column_mids, _) = self.bordered.column(0);
+                crate::dense::axpy(-take(sigma), column, data);
+                crate::dense::axpy(-take(sigma), column_mids, mids);
+            }
+            let start: Vec<f64> = right[..n].iter().map(|x| take(*x)).collect();
+            let end: Vec<f64> = right[..n].iter().map(|x| take(mu * *x)).collect();
+            let mut nodes = vec![0.0; c.nodes()];
+            c.condensed
+                .backward(&start, &end, Some((data, mids)), &mut nodes);
+            let wrap: Vec<f64> = end.iter().zip(&start).map(|(b, a)| b - a).collect();
+            let mut out = vec![0.0; c.nodes()];
+            c.interpolate(&c.rule.values, &nodes, Some(&wrap), &mut out);
+            values.push(out);
+        }
+        let im = if real {
+            vec![0.0; c.nodes()]
+        } else {
+            values.pop()?
+        };
+        let re = values.pop()?;
+        let h = re
+            .into_iter()
+            .zip(im)
+            .map(|(re, im)| C::new(re, im))
+            .collect();
+        Some((h, -sigma.re / c.period))
+    }
+}
