@@ -9,6 +9,7 @@
     clippy::needless_pass_by_value, // traces are handed over
 )]
 
+mod band;
 mod branch;
 mod curve;
 mod dense;
@@ -21,6 +22,9 @@ mod path;
 mod problem;
 mod settings;
 
+pub use band::{
+    Band, BandSettings, Bands, Edge, Limit, Linearisation, ParameterSpan, Peak, stable_bands,
+};
 pub use branch::{Branch, Equilibrium, Point, Special};
 pub use curve::{
     CriticalEquilibrium, CriticalOrbit, cycle_curve, fold_curve, fold_from_generalised_hopf,
