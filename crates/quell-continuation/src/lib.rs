@@ -30,6 +30,7 @@ pub use curve::{
     CriticalEquilibrium, CriticalOrbit, cycle_curve, fold_curve, fold_from_generalised_hopf,
     hopf_curve, torus_from_hopf_hopf,
 };
+pub use dense::solve_linear;
 pub use diagram::{Diagram, DiagramSettings, Member, diagram};
 pub use equilibrium::{equilibria, equilibria_across};
 pub use kind::{Certainty, Kind};

@@ -12,6 +12,7 @@ use quell_expression::{Dimension, Expression, ExpressionError, Scope, Tape, Tape
 use quell_model::EquationHost;
 use quell_response::{OperatingPoint, Piece, Plan, PlanSettings, Scratch};
 
+use crate::band::{BandPlan, BandResult, BandSpec, FoundBands};
 use crate::built::{Built, ValueScratch};
 use crate::combination::{Combination, with_parts};
 use crate::criteria::{Functional, RunContext, RunKind, compile, functional_name};
@@ -67,6 +68,8 @@ pub(crate) struct Evaluator {
     linearised: Vec<(String, LinearisedPlan)>,
     /// Criteria that are taken at several points.
     varied: Vec<Varied>,
+    /// Stable bands, each worked out once for all that is read of it.
+    bands: Vec<BandPlan>,
 }
 
 /// The operating points of the linear runs of a candidate by name, or why there is none.
@@ -214,6 +217,7 @@ impl Evaluator {
         runs: &IndexMap<String, Run>,
         within: Option<&str>,
     ) -> Result<Self, Fault> {
+        refuse_moved(study, &built, only)?;
         let mut evaluator = Self {
             varied: Vec::new(),
             built,
@@ -221,6 +225,7 @@ impl Evaluator {
             programs: Vec::new(),
             transients: Vec::new(),
             linearised: Vec::new(),
+            bands: Vec::new(),
         };
         let wanted = study
             .criteria
@@ -266,6 +271,10 @@ impl Evaluator {
             if let Some(variation) = variation_of(name, criterion, within) {
                 let varied = (*name, *criterion, variation);
                 evaluator.vary(study, situation, varied, runs)?;
+                continue;
+            }
+            if let Some(spec) = &criterion.band {
+                evaluator.add_band(study, situation, (name, criterion), spec)?;
                 continue;
             }
             let Some(run) = &criterion.run else {
@@ -396,6 +405,57 @@ impl Evaluator {
         Ok(())
     }
 
+    /// Adds a number of a stable band.
+    fn add_band(
+        &mut self,
+        study: &Study,
+        situation: &Situation,
+        (name, criterion): (&str, &Criterion),
+        spec: &BandSpec,
+    ) -> Result<(), Fault> {
+        let index = match self.bands.iter().position(|known| known.serves(spec)) {
+            Some(known) => known,
+            None => {
+                let plan = BandPlan::new(study, situation, &self.built, spec)?;
+                self.bands.push(plan);
+                self.bands.len() - 1
+            }
+        };
+        let dimension = self
+            .bands
+            .get(index)
+            .map_or(Dimension::NONE, BandPlan::dimension);
+        refuse_unit(study, name, criterion, dimension, RunKind::Transient)?;
+        let input = functional_name(0);
+        let mut builder = TapeBuilder::new(std::slice::from_ref(&input));
+        let itself = Expression {
+            node: quell_expression::Node::Name(input),
+            span: criterion.span,
+        };
+        builder
+            .add(&itself, &situation.parameters)
+            .map_err(|error| Fault::from_expression(&study.source, error))?;
+        self.programs.push(Program {
+            name: name.to_owned(),
+            dimension,
+            readings: vec![self.readings.len()],
+            inputs: Inputs::Readings,
+            tape: builder.build(),
+        });
+        self.readings.push(Reading {
+            functional: Functional::Band(index, spec.value),
+            run: String::new(),
+            input: usize::MAX,
+            response: dimension,
+            band: None,
+            oscillatory: false,
+            spectrum: None,
+            tolerance: criterion.tolerance,
+            plan: None,
+        });
+        Ok(())
+    }
+
     /// Adds an expression of criteria that have been added.
     fn combine(
         &mut self,
@@ -497,13 +557,18 @@ impl Evaluator {
             }
         }
         let points = self.operating_points(&scratch.values);
+        let bands = self.find_bands(&scratch.values);
         for (reading, entry) in self.readings.iter().zip(&mut scratch.readings) {
-            if !matches!(reading.functional, Functional::Time(_)) {
-                *entry = match self.linear(&reading.run, &scratch.values, &points) {
+            *entry = match reading.functional {
+                Functional::Time(_) => continue,
+                Functional::Band(index, value) => bands
+                    .get(index)
+                    .map_or(f64::NAN, |found| found.value(value)),
+                _ => match self.linear(&reading.run, &scratch.values, &points) {
                     Ok(linear) => reading.fast(&linear, &mut scratch.response),
                     Err(_) => f64::NAN,
-                };
-            }
+                },
+            };
         }
         for (index, program) in self.programs.iter().enumerate() {
             let value = if let Inputs::Varied(varied, _) = &program.inputs {
@@ -523,6 +588,14 @@ impl Evaluator {
                 *entry = value;
             }
         }
+    }
+
+    /// The bands of the linear equations.
+    fn find_bands(&self, values: &ValueScratch) -> Vec<FoundBands> {
+        self.bands
+            .iter()
+            .map(|plan| plan.find(&self.built, values))
+            .collect()
     }
 
     /// Whether all that is read are numbers of runs in time.
@@ -731,8 +804,17 @@ impl Evaluator {
             }
         }
         let points = self.operating_points(&scratch.values);
+        let bands = self.find_bands(&scratch.values);
         for (index, (reading, timed)) in self.readings.iter().zip(timed).enumerate() {
-            let (value, known) = match timed {
+            let of_band = match reading.functional {
+                Functional::Band(index, value) => self
+                    .bands
+                    .get(index)
+                    .zip(bands.get(index))
+                    .map(|(plan, found)| reading::of_band(plan, found, value)),
+                _ => None,
+            };
+            let (value, known) = match timed.or(of_band) {
                 Some(found) => found,
                 None => match self.linear(&reading.run, &scratch.values, &points) {
                     Ok(linear) => reading.certified(&linear),
@@ -795,6 +877,7 @@ impl Evaluator {
                             .map(|known| known.tolerance)
                             .try_fold(0.0, |worst: f64, one| Some(worst.max(one?))),
                         taken: None,
+                        bands: self.band_results(program, &bands),
                         status: worst
                             .map_or_else(|| "certified".to_owned(), |known| known.status.clone()),
                     },
@@ -802,6 +885,22 @@ impl Evaluator {
             })
             .collect();
         (certified, missed)
+    }
+
+    /// All bands, of a criterion that is a number of one.
+    fn band_results(&self, program: &Program, found: &[FoundBands]) -> Vec<BandResult> {
+        let Inputs::Readings = program.inputs else {
+            return Vec::new();
+        };
+        let reading = program
+            .readings
+            .first()
+            .and_then(|index| self.readings.get(*index));
+        let Some(Functional::Band(index, _)) = reading.map(|reading| &reading.functional) else {
+            return Vec::new();
+        };
+        let plan = self.bands.get(*index).zip(found.get(*index));
+        plan.map_or_else(Vec::new, |(plan, found)| plan.results(found))
     }
 
     /// Makes the search's grids denser where certificates found more.
@@ -870,7 +969,7 @@ impl Evaluator {
                     output,
                     band: reading.band,
                 }),
-                Functional::Modes(..) | Functional::Time(_) => None,
+                Functional::Modes(..) | Functional::Time(_) | Functional::Band(..) => None,
             }
         })
     }
@@ -886,6 +985,27 @@ fn variation_of<'a>(
         .variation
         .as_ref()
         .filter(|_| within != Some(name))
+}
+
+/// Refuses criteria of runs where a value is known as the own parameter of a stable band only.
+fn refuse_moved(study: &Study, built: &Built, only: Option<&[&str]>) -> Result<(), Fault> {
+    let Some(moved) = built.moved_names().next() else {
+        return Ok(());
+    };
+    let needy = study.criteria.iter().find(|(name, criterion)| {
+        criterion.run.is_some() && only.is_none_or(|only| only.contains(&name.as_str()))
+    });
+    match needy {
+        None => Ok(()),
+        Some((name, criterion)) => Err(Fault::at(
+            &study.source,
+            criterion.span,
+            format!(
+                "`{name}` needs a value of `{moved}`, which is the own parameter of a stable band and has none here"
+            ),
+        )
+        .help(format!("give `{moved}` a value too: bands do not use it"))),
+    }
 }
 
 /// The dimension of output over input of the norm in a criterion.

@@ -205,6 +205,9 @@ pub struct CriterionDetail {
     /// Of a criterion that is taken over parameters or tolerances: of how many points, and at which of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub taken: Option<String>,
+    /// All stable bands, where the value is of one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<crate::band::BandResult>,
     /// `certified`, `computed`, or why there is no number.
     pub status: String,
 }
@@ -218,6 +221,7 @@ impl CriterionDetail {
             at_s: None,
             achieved_tolerance: None,
             taken: None,
+            bands: Vec::new(),
             status: why.to_owned(),
         }
     }

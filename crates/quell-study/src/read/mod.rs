@@ -1,5 +1,6 @@
 //! From a study file to a [`Study`]: keys checked, names resolved, layouts parsed; every fault at its place.
 
+mod band;
 mod continuation;
 mod criteria;
 mod devices;
@@ -79,9 +80,12 @@ impl Study {
             Some(value) => devices::devices(&value, &kinds, &standing.host, &source)?,
             None => IndexMap::new(),
         };
-        let runs = match section("runs")? {
-            Some(value) => runs(&value, &standing.host, &source)?,
-            None => IndexMap::new(),
+        let runs = match (root.get("runs"), band::alone(&root)) {
+            (None, true) => IndexMap::new(),
+            _ => match section("runs")? {
+                Some(value) => runs(&value, &standing.host, &source)?,
+                None => IndexMap::new(),
+            },
         };
         let criteria = match section("criteria")? {
             Some(value) => criteria::criteria(&value, &runs, &standing, &source)?,
