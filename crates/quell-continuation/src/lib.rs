@@ -23,7 +23,8 @@ mod problem;
 mod settings;
 
 pub use band::{
-    Band, BandSettings, Bands, Edge, Limit, Linearisation, ParameterSpan, Peak, stable_bands,
+    Band, BandSettings, Bands, Edge, Limit, Linearisation, ParameterSpan, Peak, eigenpairs,
+    eigenvalue_near, first_lyapunov, stable_bands,
 };
 pub use branch::{Branch, Equilibrium, Point, Special};
 pub use curve::{

@@ -1,5 +1,6 @@
 //! Criteria of one built candidate: fast values for a search, certified ones for a report.
 
+mod band;
 mod reading;
 mod run;
 mod variation;
@@ -12,7 +13,7 @@ use quell_expression::{Dimension, Expression, ExpressionError, Scope, Tape, Tape
 use quell_model::EquationHost;
 use quell_response::{OperatingPoint, Piece, Plan, PlanSettings, Scratch};
 
-use crate::band::{BandPlan, BandResult, BandSpec, FoundBands};
+use crate::band::{BandPlan, FoundBands};
 use crate::built::{Built, ValueScratch};
 use crate::combination::{Combination, with_parts};
 use crate::criteria::{Functional, RunContext, RunKind, compile, functional_name};
@@ -70,6 +71,8 @@ pub(crate) struct Evaluator {
     varied: Vec<Varied>,
     /// Stable bands, each worked out once for all that is read of it.
     bands: Vec<BandPlan>,
+    /// Whether everything is looked at, so that what is reported is tested further.
+    thorough: bool,
 }
 
 /// The operating points of the linear runs of a candidate by name, or why there is none.
@@ -87,6 +90,8 @@ pub(crate) struct EvaluatorScratch {
     jacobian: Vec<f64>,
     pieces: Vec<Piece>,
     varied: Option<Box<VariedScratch>>,
+    /// Stable bands at the last values.
+    bands: Vec<FoundBands>,
 }
 
 /// A criterion's value with what is known about it.
@@ -217,7 +222,7 @@ impl Evaluator {
         runs: &IndexMap<String, Run>,
         within: Option<&str>,
     ) -> Result<Self, Fault> {
-        refuse_moved(study, &built, only)?;
+        band::refuse_moved(study, &built, only)?;
         let mut evaluator = Self {
             varied: Vec::new(),
             built,
@@ -226,6 +231,7 @@ impl Evaluator {
             transients: Vec::new(),
             linearised: Vec::new(),
             bands: Vec::new(),
+            thorough: only.is_none(),
         };
         let wanted = study
             .criteria
@@ -405,57 +411,6 @@ impl Evaluator {
         Ok(())
     }
 
-    /// Adds a number of a stable band.
-    fn add_band(
-        &mut self,
-        study: &Study,
-        situation: &Situation,
-        (name, criterion): (&str, &Criterion),
-        spec: &BandSpec,
-    ) -> Result<(), Fault> {
-        let index = match self.bands.iter().position(|known| known.serves(spec)) {
-            Some(known) => known,
-            None => {
-                let plan = BandPlan::new(study, situation, &self.built, spec)?;
-                self.bands.push(plan);
-                self.bands.len() - 1
-            }
-        };
-        let dimension = self
-            .bands
-            .get(index)
-            .map_or(Dimension::NONE, BandPlan::dimension);
-        refuse_unit(study, name, criterion, dimension, RunKind::Transient)?;
-        let input = functional_name(0);
-        let mut builder = TapeBuilder::new(std::slice::from_ref(&input));
-        let itself = Expression {
-            node: quell_expression::Node::Name(input),
-            span: criterion.span,
-        };
-        builder
-            .add(&itself, &situation.parameters)
-            .map_err(|error| Fault::from_expression(&study.source, error))?;
-        self.programs.push(Program {
-            name: name.to_owned(),
-            dimension,
-            readings: vec![self.readings.len()],
-            inputs: Inputs::Readings,
-            tape: builder.build(),
-        });
-        self.readings.push(Reading {
-            functional: Functional::Band(index, spec.value),
-            run: String::new(),
-            input: usize::MAX,
-            response: dimension,
-            band: None,
-            oscillatory: false,
-            spectrum: None,
-            tolerance: criterion.tolerance,
-            plan: None,
-        });
-        Ok(())
-    }
-
     /// Adds an expression of criteria that have been added.
     fn combine(
         &mut self,
@@ -557,7 +512,8 @@ impl Evaluator {
             }
         }
         let points = self.operating_points(&scratch.values);
-        let bands = self.find_bands(&scratch.values);
+        self.find_bands(&scratch.values, &mut scratch.bands);
+        let bands = &scratch.bands;
         for (reading, entry) in self.readings.iter().zip(&mut scratch.readings) {
             *entry = match reading.functional {
                 Functional::Time(_) => continue,
@@ -588,14 +544,6 @@ impl Evaluator {
                 *entry = value;
             }
         }
-    }
-
-    /// The bands of the linear equations.
-    fn find_bands(&self, values: &ValueScratch) -> Vec<FoundBands> {
-        self.bands
-            .iter()
-            .map(|plan| plan.find(&self.built, values))
-            .collect()
     }
 
     /// Whether all that is read are numbers of runs in time.
@@ -738,6 +686,11 @@ impl Evaluator {
         let ([only], Inputs::Readings) = (program.readings.as_slice(), &program.inputs) else {
             return false;
         };
+        if let Some(Functional::Band(index, value)) =
+            self.readings.get(*only).map(|reading| &reading.functional)
+        {
+            return self.band_piece(*index, *value, factor, scratch, push);
+        }
         let Some(plan) = self
             .readings
             .get(*only)
@@ -804,7 +757,7 @@ impl Evaluator {
             }
         }
         let points = self.operating_points(&scratch.values);
-        let bands = self.find_bands(&scratch.values);
+        let bands = self.tested_bands(&scratch.values);
         for (index, (reading, timed)) in self.readings.iter().zip(timed).enumerate() {
             let of_band = match reading.functional {
                 Functional::Band(index, value) => self
@@ -885,22 +838,6 @@ impl Evaluator {
             })
             .collect();
         (certified, missed)
-    }
-
-    /// All bands, of a criterion that is a number of one.
-    fn band_results(&self, program: &Program, found: &[FoundBands]) -> Vec<BandResult> {
-        let Inputs::Readings = program.inputs else {
-            return Vec::new();
-        };
-        let reading = program
-            .readings
-            .first()
-            .and_then(|index| self.readings.get(*index));
-        let Some(Functional::Band(index, _)) = reading.map(|reading| &reading.functional) else {
-            return Vec::new();
-        };
-        let plan = self.bands.get(*index).zip(found.get(*index));
-        plan.map_or_else(Vec::new, |(plan, found)| plan.results(found))
     }
 
     /// Makes the search's grids denser where certificates found more.
@@ -985,27 +922,6 @@ fn variation_of<'a>(
         .variation
         .as_ref()
         .filter(|_| within != Some(name))
-}
-
-/// Refuses criteria of runs where a value is known as the own parameter of a stable band only.
-fn refuse_moved(study: &Study, built: &Built, only: Option<&[&str]>) -> Result<(), Fault> {
-    let Some(moved) = built.moved_names().next() else {
-        return Ok(());
-    };
-    let needy = study.criteria.iter().find(|(name, criterion)| {
-        criterion.run.is_some() && only.is_none_or(|only| only.contains(&name.as_str()))
-    });
-    match needy {
-        None => Ok(()),
-        Some((name, criterion)) => Err(Fault::at(
-            &study.source,
-            criterion.span,
-            format!(
-                "`{name}` needs a value of `{moved}`, which is the own parameter of a stable band and has none here"
-            ),
-        )
-        .help(format!("give `{moved}` a value too: bands do not use it"))),
-    }
 }
 
 /// The dimension of output over input of the norm in a criterion.

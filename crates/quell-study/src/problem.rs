@@ -244,7 +244,7 @@ impl Problem for DesignProblem {
     }
 
     fn constraints(&self) -> usize {
-        self.constraints.len()
+        self.constraints.len() + usize::from(self.evaluator.has_bands())
     }
 
     fn evaluate(
@@ -265,8 +265,11 @@ impl Problem for DesignProblem {
                 .copied()
                 .unwrap_or(f64::NAN)
         };
-        for (goal, out) in self.constraints.iter().zip(constraints) {
+        for (goal, out) in self.constraints.iter().zip(constraints.iter_mut()) {
             *out = goal.excess(value(goal));
+        }
+        if let Some(out) = constraints.get_mut(self.constraints.len()) {
+            *out = self.evaluator.nearest_island(&scratch.evaluator);
         }
         self.objective.sense.sign() * value(&self.objective)
     }
@@ -282,12 +285,10 @@ impl Problem for DesignProblem {
         pieces: &mut Pieces,
         scratch: &mut ProblemScratch,
     ) -> bool {
-        // The larger the better of a peak is no minimax problem.
-        if self.objective.sense == Sense::Maximise
-            || self
-                .constraints
-                .iter()
-                .any(|goal| goal.sense == Sense::Maximise)
+        // The larger the better of a peak is no minimax problem; a number of a stable band is one piece either way.
+        let goals = || std::iter::once(&self.objective).chain(&self.constraints);
+        if goals()
+            .any(|goal| goal.sense == Sense::Maximise && !self.evaluator.is_band(goal.criterion))
         {
             return false;
         }
@@ -297,7 +298,7 @@ impl Problem for DesignProblem {
         pieces.clear();
         let objective = self.evaluator.pieces(
             self.objective.criterion,
-            1.0,
+            self.objective.sense.sign(),
             margin,
             &mut scratch.evaluator,
             &mut |value, fill| {
@@ -308,7 +309,7 @@ impl Problem for DesignProblem {
             return false;
         }
         for (index, goal) in self.constraints.iter().enumerate() {
-            let factor = 1.0 / goal.scale();
+            let factor = goal.sense.sign() / goal.scale();
             let found = self.evaluator.pieces(
                 goal.criterion,
                 factor,
@@ -321,6 +322,13 @@ impl Problem for DesignProblem {
             if !found {
                 return false;
             }
+        }
+        if self.evaluator.has_bands() {
+            let index = self.constraints.len();
+            self.evaluator
+                .islands(&mut scratch.evaluator, &mut |value, fill| {
+                    fill(pieces.push_constraint(index, value));
+                });
         }
         pieces.is_finite()
     }

@@ -55,9 +55,29 @@ pub struct TaskResult {
     pub kind: &'static str,
     /// `done`, `infeasible` where no design meets the constraints, or why nothing was found.
     pub status: String,
+    /// What happens between the points of a sweep.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub events: Vec<SweepEvent>,
     /// What the task found; with a sweep, one for each point.
     #[serde(flatten)]
     pub body: TaskBody,
+}
+
+/// Something that happens between two points of a sweep.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepEvent {
+    /// What is swept.
+    pub parameter: String,
+    /// The value at which it happens, SI.
+    pub value: f64,
+    /// The configuration that it happens to.
+    pub configuration: String,
+    /// The criterion.
+    pub criterion: String,
+    /// What happens as the value grows: `island born`, `island gone`, `band closed`, `band opened`.
+    pub what: &'static str,
+    /// Where, in words.
+    pub place: String,
 }
 
 /// With or without a sweep.

@@ -505,6 +505,8 @@ pub enum Swept {
     Parameter,
     /// The bound of the task's constraint on a criterion.
     Bound,
+    /// A value that the configurations, or `fixed` of a design, give.
+    Value,
 }
 
 /// One swept parameter or bound.

@@ -21,6 +21,57 @@ use num_complex::Complex64;
 
 pub use scan::stable_bands;
 
+use crate::dense::{eigenvalues, eigenvector, left_eigenvector};
+use crate::problem::Problem;
+
+/// The eigenvalue of a matrix (n × n, row major) next to a number, as the Rayleigh quotient of its two eigenvectors.
+pub fn eigenvalue_near(n: usize, a: &[f64], near: Complex64) -> Option<Complex64> {
+    let values = eigenvalues(n, a)?;
+    let distance = |value: &Complex64| (value - near).norm_sqr();
+    let value = *values
+        .iter()
+        .min_by(|one, other| distance(one).total_cmp(&distance(other)))?;
+    let right = eigenvector(n, a, value);
+    let left = left_eigenvector(n, a, value);
+    let product: Complex64 = left.iter().zip(&right).map(|(w, v)| w * v).sum();
+    let mut image = Complex64::default();
+    for (row, w) in a.chunks_exact(n).zip(&left) {
+        let entry: Complex64 = row.iter().zip(&right).map(|(a, v)| v * *a).sum();
+        image += w * entry;
+    }
+    let quotient = image / product;
+    let near = (quotient - value).norm() <= 1e-6 * value.norm();
+    Some(if near { quotient } else { value })
+}
+
+/// The eigenvalues of a matrix (n × n, row major) with non-negative imaginary part and their eigenvectors of unit length, the least
+/// damped first.
+pub fn eigenpairs(n: usize, a: &[f64]) -> Option<Vec<(Complex64, Vec<Complex64>)>> {
+    let mut values = eigenvalues(n, a)?;
+    values.retain(|value| value.im >= 0.0);
+    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    Some(
+        values
+            .into_iter()
+            .map(|value| (value, eigenvector(n, a, value)))
+            .collect(),
+    )
+}
+
+/// The first Lyapunov coefficient at a Hopf point of frequency `omega`, as [`equilibria`](crate::equilibria) normalises it: negative
+/// where the cycle is born stable. None where second or third derivatives are not available.
+pub fn first_lyapunov(
+    problem: &dyn Problem,
+    state: &[f64],
+    parameters: &[f64],
+    omega: f64,
+) -> Option<f64> {
+    let n = state.len();
+    let mut a = vec![0.0; n * n];
+    problem.jacobian(0.0, state, parameters, &mut a);
+    crate::equilibrium::normal::hopf(problem, state, parameters, &a, omega)
+}
+
 /// The linearisation of an equilibrium that depends on two parameters.
 pub trait Linearisation {
     /// Number n of states.

@@ -4,6 +4,7 @@
 //! parameters, and what is told about a band.
 
 mod ask;
+mod checks;
 mod plan;
 mod record;
 mod rest;

@@ -2,13 +2,18 @@
 
 use std::sync::Arc;
 
-use quell_continuation::{BandSettings, Bands, Edge, Limit, ParameterSpan, stable_bands};
+use num_complex::Complex64;
+use quell_continuation::{
+    Band, BandSettings, Bands, Edge, Limit, Linearisation, ParameterSpan, Peak, eigenvalue_near,
+    stable_bands,
+};
 use quell_document::Fault;
 use quell_expression::{Dimension, nearest};
 use quell_model::EquationHost;
 use quell_model::system::{Owner, System};
 
 use super::ask::{BandSpec, BandValue};
+use super::checks::{self, Tests};
 use super::record::BandResult;
 use super::rest::{AtRest, Entry};
 use crate::built::{Built, ValueScratch};
@@ -20,13 +25,38 @@ use crate::transient::{Source, ValuePlaces, Watching, begun, sources};
 /// How near an end of a range that is left out is approached, relative to the range.
 const OPEN: f64 = 1e-6;
 
+/// Relative step of differences by design variables.
+const NUDGE: f64 = 1e-5;
+
 /// The bands of a candidate at values of its design variables.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct FoundBands {
     pub(crate) bands: Bands,
+    /// What was tested beside the linear equations, for each band.
+    pub(super) tests: Vec<Tests>,
+    /// Values of devices at which they hold.
+    mechanical: Vec<f64>,
+    laws: Vec<f64>,
 }
 
 impl FoundBands {
+    /// Whether they hold at these values of devices.
+    pub(crate) fn is_at(&self, values: &ValueScratch) -> bool {
+        let same = |a: &[f64], b: &[f64]| {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
+        };
+        same(&self.mechanical, &values.mechanical) && same(&self.laws, &values.laws)
+    }
+
+    /// Islands of instability within the widest band that are not born.
+    pub(crate) fn unborn(&self) -> impl Iterator<Item = Peak> + '_ {
+        let widest = self.bands.widest().copied();
+        self.bands.peaks.iter().copied().filter(move |peak| {
+            peak.eigenvalue.re < 0.0
+                && widest.is_some_and(|band| peak.p > band.lower.p && peak.p < band.upper.p)
+        })
+    }
+
     /// The number that a criterion is; zero width where there is no band, and no ends.
     pub(crate) fn value(&self, value: BandValue) -> f64 {
         match (self.bands.widest(), value) {
@@ -41,12 +71,12 @@ impl FoundBands {
 
 /// A free parameter of a band.
 #[derive(Debug)]
-struct Free {
-    name: String,
-    unit: String,
+pub(super) struct Free {
+    pub(super) name: String,
+    pub(super) unit: String,
     dimension: Dimension,
-    entry: Entry,
-    span: ParameterSpan,
+    pub(super) entry: Entry,
+    pub(super) span: ParameterSpan,
     /// Whether the lower end is left out.
     open: bool,
 }
@@ -55,10 +85,10 @@ struct Free {
 #[derive(Debug)]
 pub(crate) struct BandPlan {
     spec: BandSpec,
-    system: System,
-    sources: Vec<Source>,
-    p: Free,
-    q: Option<Free>,
+    pub(super) system: System,
+    pub(super) sources: Vec<Source>,
+    pub(super) p: Free,
+    pub(super) q: Option<Free>,
     settings: BandSettings,
 }
 
@@ -138,18 +168,102 @@ impl BandPlan {
 
     /// The bands of the linear equations.
     pub(crate) fn find(&self, built: &Built, values: &ValueScratch) -> FoundBands {
+        self.sought(built, values, &self.settings)
+    }
+
+    fn sought(&self, built: &Built, values: &ValueScratch, settings: &BandSettings) -> FoundBands {
         let mut rest = self.at_rest(built, values);
+        let q = self.q.as_ref().map(|free| free.span);
         FoundBands {
-            bands: stable_bands(
-                &mut rest,
-                self.p.span,
-                self.q.as_ref().map(|free| free.span),
-                &self.settings,
-            ),
+            bands: stable_bands(&mut rest, self.p.span, q, settings),
+            tests: Vec::new(),
+            mechanical: values.mechanical.clone(),
+            laws: values.laws.clone(),
         }
     }
 
-    fn at_rest<'a>(&'a self, built: &'a Built, values: &ValueScratch) -> AtRest<'a> {
+    /// The bands on grids twice as fine; with `cycles` those in which cycles were sought as well.
+    pub(crate) fn tested(&self, built: &Built, values: &ValueScratch, cycles: bool) -> FoundBands {
+        let finer = BandSettings {
+            columns: 2 * self.settings.columns,
+            rows: 2 * self.settings.rows,
+            ..self.settings
+        };
+        let mut found = self.sought(built, values, &finer);
+        if cycles {
+            checks::test(self, built, values, &mut found);
+        }
+        found
+    }
+
+    /// ∂Re λ/∂(design variable) at (p, q), of the eigenvalue next to `near`: central differences, good to some 1e-6.
+    pub(crate) fn growth_slopes(
+        &self,
+        built: &Built,
+        values: &ValueScratch,
+        (p, q): (f64, f64),
+        near: Complex64,
+    ) -> Vec<f64> {
+        let n = self.system.states().len();
+        let mut matrix = vec![0.0; n * n];
+        let mut growth = |values: &ValueScratch| {
+            let mut rest = self.at_rest(built, values);
+            rest.matrix(p, q, &mut matrix)
+                .then(|| eigenvalue_near(n, &matrix, near))
+                .flatten()
+                .map_or(f64::NAN, |value| value.re)
+        };
+        (0..built.variables.len())
+            .map(|variable| {
+                let Some(value) = built.value_of(values, variable) else {
+                    return 0.0;
+                };
+                let range = built.variables.get(variable);
+                let width = range.map_or(1.0, |range| range.upper - range.lower);
+                let step = if value == 0.0 {
+                    NUDGE * width
+                } else {
+                    NUDGE * value.abs()
+                };
+                let above = growth(&built.nudged(values, variable, step));
+                let below = growth(&built.nudged(values, variable, -step));
+                (above - below) / (2.0 * step)
+            })
+            .collect()
+    }
+
+    /// The gradient of a number of the widest band by design variables: of an edge dp/dθ = -(∂Re λ/∂θ)/(∂Re λ/∂p) at its critical
+    /// point. None where there is no band or an edge where the equilibrium ends.
+    pub(crate) fn slopes(
+        &self,
+        built: &Built,
+        values: &ValueScratch,
+        found: &FoundBands,
+        value: BandValue,
+    ) -> Option<Vec<f64>> {
+        let band = found.bands.widest()?;
+        let edge = |edge: &Edge| -> Option<Vec<f64>> {
+            match edge.limit {
+                Limit::Range => Some(vec![0.0; built.variables.len()]),
+                Limit::NoEquilibrium => None,
+                _ => {
+                    let at = (edge.p, edge.q.unwrap_or(0.0));
+                    let by = self.growth_slopes(built, values, at, edge.eigenvalue);
+                    Some(by.into_iter().map(|slope| -slope / edge.slope).collect())
+                }
+            }
+        };
+        match value {
+            BandValue::Lower => edge(&band.lower),
+            BandValue::Upper => edge(&band.upper),
+            BandValue::Width => {
+                let (lower, upper) = (edge(&band.lower)?, edge(&band.upper)?);
+                Some(upper.iter().zip(&lower).map(|(a, b)| a - b).collect())
+            }
+        }
+    }
+
+    pub(super) fn at_rest<'a>(&'a self, built: &'a Built, values: &ValueScratch) -> AtRest<'a> {
         let parameters =
             crate::transient::parameters(&self.sources, &values.mechanical, &values.laws);
         let span = self
@@ -168,20 +282,19 @@ impl BandPlan {
 
     /// The bands for a record.
     pub(crate) fn results(&self, found: &FoundBands) -> Vec<BandResult> {
-        found
-            .bands
-            .bands
-            .iter()
-            .map(|band| BandResult {
+        let bands = found.bands.bands.iter().enumerate();
+        bands
+            .map(|(index, band)| BandResult {
                 lower: band.lower.p,
                 upper: band.upper.p,
                 lower_at: band.lower.q.filter(|_| self.q.is_some()),
                 upper_at: band.upper.q.filter(|_| self.q.is_some()),
-                limited_by: [
-                    self.words(&band.lower, "lower"),
-                    self.words(&band.upper, "upper"),
-                ],
-                checks: self.checks(found),
+                limited_by: [(&band.lower, "lower"), (&band.upper, "upper")].map(|(edge, side)| {
+                    let cycles = found.tests.get(index).and_then(|tests| tests.cut(side));
+                    cycles.map_or_else(|| self.words(edge, side), str::to_owned)
+                }),
+                near: self.near(found, band),
+                checks: self.checks(found, index),
             })
             .collect()
     }
@@ -216,8 +329,25 @@ impl BandPlan {
         }
     }
 
+    /// Islands of instability within a band that a small change gives birth to.
+    fn near(&self, found: &FoundBands, band: &Band) -> Vec<String> {
+        let peaks = found.bands.peaks.iter();
+        peaks
+            .filter(|peak| peak.p > band.lower.p && peak.p < band.upper.p)
+            .map(|peak| {
+                let at = self.q.as_ref().map_or_else(String::new, |free| {
+                    format!(", {} = {:.6} {}", free.name, peak.q, free.unit)
+                });
+                format!(
+                    "an island of instability of {:.5} rad/s is not yet born at {} = {:.6} {}{at}: it would split the band (growth rate there {:.3e} 1/s)",
+                    peak.eigenvalue.im, self.p.name, peak.p, self.p.unit, peak.eigenvalue.re
+                )
+            })
+            .collect()
+    }
+
     /// What was tested, in words.
-    fn checks(&self, found: &FoundBands) -> Vec<String> {
+    fn checks(&self, found: &FoundBands, index: usize) -> Vec<String> {
         let mut checks = Vec::new();
         let over = match &self.q {
             Some(free) => format!(
@@ -235,6 +365,10 @@ impl BandPlan {
                 "the lower end of `{}`, which is left out, approached to {:.1e} {}",
                 free.name, free.span.from, free.unit
             ));
+        }
+        match found.tests.get(index) {
+            Some(tests) => checks.extend(tests.words.iter().cloned()),
+            None => checks.push("cycles were not sought".to_owned()),
         }
         for (from, to) in &found.bands.unresolved {
             checks.push(format!(
@@ -256,6 +390,15 @@ impl BandPlan {
                 "computed, but not everywhere resolved: see `checks`".to_owned()
             }
             Some(_) => "computed".to_owned(),
+        }
+    }
+
+    /// Where something lies, in words.
+    pub(crate) fn place(&self, p: f64, q: Option<f64>) -> String {
+        let own = format!("{} = {p:.6} {}", self.p.name, self.p.unit);
+        match (&self.q, q) {
+            (Some(free), Some(q)) => format!("{own}, {} = {q:.6} {}", free.name, free.unit),
+            _ => own,
         }
     }
 

@@ -15,6 +15,9 @@ pub struct BandResult {
     pub upper_at: Option<f64>,
     /// What ends it below and above.
     pub limited_by: [String; 2],
+    /// What a small change of the design would bring about within the band, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub near: Vec<String>,
     /// What was tested, in words.
     pub checks: Vec<String>,
 }

@@ -25,7 +25,7 @@ const ITERATIONS: usize = 12;
 /// Host and devices about the equilibrium that is followed from the lower end of q's range.
 pub(super) struct AtRest<'a> {
     built: &'a Built,
-    prepared: Prepared<'a>,
+    pub(super) prepared: Prepared<'a>,
     sources: &'a [Source],
     p: &'a Entry,
     q: Option<&'a Entry>,
@@ -76,7 +76,7 @@ impl<'a> AtRest<'a> {
     }
 
     /// Sets both parameters.
-    fn set(&mut self, p: f64, q: f64) {
+    pub(super) fn set(&mut self, p: f64, q: f64) {
         if self.at.to_bits() != p.to_bits() {
             self.at = p;
             self.known.clear();
@@ -116,7 +116,7 @@ impl<'a> AtRest<'a> {
     }
 
     /// The equilibrium at (p, q), followed from the lower end of q's range.
-    fn equilibrium(&mut self, p: f64, q: f64) -> Option<Vec<f64>> {
+    pub(super) fn equilibrium(&mut self, p: f64, q: f64) -> Option<Vec<f64>> {
         if self.rests() {
             return Some(self.start.clone());
         }

@@ -109,6 +109,40 @@ impl Built {
             .any(|origin| matches!(origin, Origin::Searched(_)))
     }
 
+    /// The values of a point with one design variable changed by so much.
+    pub(crate) fn nudged(&self, values: &ValueScratch, variable: usize, by: f64) -> ValueScratch {
+        let mut nudged = values.clone();
+        let is_it =
+            |origin: &Origin| matches!(origin, Origin::Searched(index) if *index == variable);
+        for (value, origin) in nudged.all.iter_mut().zip(&self.origins) {
+            if is_it(origin) {
+                *value += by;
+            }
+        }
+        for (value, law) in nudged.laws.iter_mut().zip(&self.laws) {
+            if is_it(&law.origin) {
+                *value += by;
+            }
+        }
+        self.place(&Places::default(), f64::NAN, &mut nudged);
+        nudged
+    }
+
+    /// The value of a design variable at a point.
+    pub(crate) fn value_of(&self, values: &ValueScratch, variable: usize) -> Option<f64> {
+        let is_it =
+            |origin: &Origin| matches!(origin, Origin::Searched(index) if *index == variable);
+        let origins = values.all.iter().zip(&self.origins);
+        let laws = values
+            .laws
+            .iter()
+            .zip(self.laws.iter().map(|law| &law.origin));
+        origins
+            .chain(laws)
+            .find(|(_, origin)| is_it(origin))
+            .map(|(value, _)| *value)
+    }
+
     /// Puts another value into some places, after [`Built::values`].
     pub(crate) fn place(&self, places: &Places, value: f64, scratch: &mut ValueScratch) {
         for place in &places.origins {
@@ -176,10 +210,20 @@ impl Built {
             Origin::Given(value) | Origin::Moved(value) => *value,
             Origin::Searched(_) => f64::NAN,
         };
-        let mut all: Vec<f64> = self.origins.iter().map(given).collect();
+        let all: Vec<f64> = self.origins.iter().map(given).collect();
+        let laws = self.laws.iter().map(|law| given(&law.origin)).collect();
+        self.moved_from(all, laws, moves)
+    }
+
+    /// As [`Self::moved`], from the values of a point that [`Built::values`] has spread.
+    pub(crate) fn moved_at(&self, values: &ValueScratch, moves: &[(&Places, f64)]) -> Moved {
+        self.moved_from(values.all.clone(), values.laws.clone(), moves)
+    }
+
+    fn moved_from(&self, mut all: Vec<f64>, laws: Vec<f64>, moves: &[(&Places, f64)]) -> Moved {
         let mut out = Moved {
             mechanical: vec![f64::NAN; self.element_count()],
-            laws: self.laws.iter().map(|law| given(&law.origin)).collect(),
+            laws,
             elements: vec![Vec::new(); moves.len()],
         };
         for (places, value) in moves {

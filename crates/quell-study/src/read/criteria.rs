@@ -138,7 +138,7 @@ fn variation(
         .transpose()?;
     let span = ["over", "tolerances"]
         .iter()
-        .filter(|key| own || *key != "over")
+        .filter(|key| own || **key != "over")
         .find_map(|key| entry.key_span(key));
     let Some(span) = span else {
         return match entry.get("take") {

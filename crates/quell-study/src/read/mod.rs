@@ -64,10 +64,11 @@ impl Study {
             root.get("components"),
         )?;
         let components = devices::component_layouts(components, &kinds)?;
-        // Whoever only follows branches may do without these.
+        // Whoever only follows branches may do without these; stable bands need neither runs nor, of a host that has none, devices.
+        let bands = band::alone(&root);
         let free = continuation::alone(&root);
         let section = |key: &str| match root.get(key) {
-            None if free => Ok(None),
+            None if free || (bands && key != "criteria") => Ok(None),
             None => {
                 let known = keys::STUDY.keys.iter().find(|known| known.name == key);
                 let words = known.map_or("", |known| known.documentation);
@@ -80,12 +81,9 @@ impl Study {
             Some(value) => devices::devices(&value, &kinds, &standing.host, &source)?,
             None => IndexMap::new(),
         };
-        let runs = match (root.get("runs"), band::alone(&root)) {
-            (None, true) => IndexMap::new(),
-            _ => match section("runs")? {
-                Some(value) => runs(&value, &standing.host, &source)?,
-                None => IndexMap::new(),
-            },
+        let runs = match section("runs")? {
+            Some(value) => runs(&value, &standing.host, &source)?,
+            None => IndexMap::new(),
         };
         let criteria = match section("criteria")? {
             Some(value) => criteria::criteria(&value, &runs, &standing, &source)?,
