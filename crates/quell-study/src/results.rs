@@ -74,7 +74,8 @@ pub struct SweepEvent {
     pub configuration: String,
     /// The criterion.
     pub criterion: String,
-    /// What happens as the value grows: `island born`, `island gone`, `band closed`, `band opened`.
+    /// What happens as the value grows: `island born`, `island gone`, `band closed`, `band opened`,
+    /// `another limit` (another mode takes over an end).
     pub what: &'static str,
     /// Where, in words.
     pub place: String,

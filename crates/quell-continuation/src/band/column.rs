@@ -88,6 +88,13 @@ fn mismatch(pair: &(Mode, Mode), width: f64) -> f64 {
 impl<L: Linearisation> Sampler<'_, L> {
     /// Looks at all of q.
     pub(super) fn column(&mut self, u: f64, settings: &BandSettings) -> Column {
+        self.fit(u);
+        let column = self.look(u, settings);
+        self.unfit();
+        column
+    }
+
+    fn look(&mut self, u: f64, settings: &BandSettings) -> Column {
         let mut column = Column {
             u,
             stable: true,

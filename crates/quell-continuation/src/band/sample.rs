@@ -91,6 +91,21 @@ pub(super) struct Sampler<'l, L> {
     minus: Vec<f64>,
     shifted: Vec<Complex64>,
     lu: Lu<Complex64>,
+    /// A over q at one u, where it is a polynomial there.
+    fit: Option<Fit>,
+}
+
+/// Degree of the polynomials that are tried for A over q, and the parts of the range at which they are put to the test.
+const DEGREE: usize = 4;
+const TESTS: [f64; 6] = [0.031, 0.17, 0.35, 0.61, 0.83, 0.97];
+/// Entries are those of a polynomial when they agree to this part of the largest entry of their row.
+const SAME: f64 = 1e-13;
+
+/// A(u, ·) as a polynomial of q: linear or quadratic in a speed, as a rule.
+struct Fit {
+    u: f64,
+    /// Coefficients of 1, s, s² … of each entry, entry by entry.
+    coefficients: Vec<f64>,
 }
 
 impl<'l, L: Linearisation> Sampler<'l, L> {
@@ -111,6 +126,7 @@ impl<'l, L: Linearisation> Sampler<'l, L> {
             minus: vec![0.0; n * n],
             shifted: Vec::new(),
             lu: Lu::new(),
+            fit: None,
         }
     }
 
@@ -130,11 +146,88 @@ impl<'l, L: Linearisation> Sampler<'l, L> {
         good
     }
 
+    /// Looks whether A is a polynomial of q at this u, so that a column of samples costs no more matrices. Differences of A over s are then
+    /// exact derivatives.
+    pub(super) fn fit(&mut self, u: f64) {
+        self.fit = None;
+        if self.q.is_none_or(|q| q.logarithmic) {
+            return;
+        }
+        let size = self.n * self.n;
+        let nodes: Vec<f64> = (0..=DEGREE)
+            .map(|k| 0.5 - 0.5 * (std::f64::consts::PI * k as f64 / DEGREE as f64).cos())
+            .collect();
+        // Divided differences, entry by entry, then into powers of s.
+        let mut table: Vec<Vec<f64>> = Vec::with_capacity(nodes.len());
+        for s in &nodes {
+            if !self.at(u, *s, |own| &mut own.matrix) {
+                return;
+            }
+            table.push(self.matrix.clone());
+        }
+        let mut coefficients = vec![0.0; size * (DEGREE + 1)];
+        for entry in 0..size {
+            let mut divided: Vec<f64> = table.iter().map(|matrix| matrix[entry]).collect();
+            for order in 1..=DEGREE {
+                for k in (order..=DEGREE).rev() {
+                    divided[k] = (divided[k] - divided[k - 1]) / (nodes[k] - nodes[k - order]);
+                }
+            }
+            let own = &mut coefficients[entry * (DEGREE + 1)..(entry + 1) * (DEGREE + 1)];
+            for k in (0..=DEGREE).rev() {
+                // own = own (s - node) + divided
+                for power in (1..=DEGREE).rev() {
+                    own[power] = own[power - 1] - nodes[k] * own[power];
+                }
+                own[0] = divided[k] - nodes[k] * own[0];
+            }
+        }
+        let fit = Fit { u, coefficients };
+        let mut found = vec![0.0; size];
+        for s in TESTS {
+            if !self.at(u, s, |own| &mut own.matrix) {
+                return;
+            }
+            fit.values(s, &mut found);
+            for (row, fitted) in self
+                .matrix
+                .chunks_exact(self.n)
+                .zip(found.chunks_exact(self.n))
+            {
+                let largest = row
+                    .iter()
+                    .fold(0.0_f64, |most, entry| most.max(entry.abs()));
+                let apart = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME * largest;
+                if !row.iter().zip(fitted).all(apart) {
+                    return;
+                }
+            }
+        }
+        self.fit = Some(fit);
+    }
+
+    /// Forgets a polynomial.
+    pub(super) fn unfit(&mut self) {
+        self.fit = None;
+    }
+
     /// Eigenvalues at (u, s); none where there is no equilibrium.
     pub(super) fn sample(&mut self, u: f64, s: f64, want: Want) -> Option<Sample> {
         self.count += 1;
-        if !self.at(u, s, |own| &mut own.matrix) {
-            return None;
+        let fit = self.fit.take().filter(|fit| fit.u.to_bits() == u.to_bits());
+        let found = self.sample_with(u, s, want, fit.as_ref());
+        self.fit = fit;
+        found
+    }
+
+    fn sample_with(&mut self, u: f64, s: f64, want: Want, fit: Option<&Fit>) -> Option<Sample> {
+        match fit {
+            Some(fit) => fit.values(s, &mut self.matrix),
+            None => {
+                if !self.at(u, s, |own| &mut own.matrix) {
+                    return None;
+                }
+            }
         }
         let values = eigenvalues(self.n, &self.matrix)?;
         let scale = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
@@ -154,7 +247,12 @@ impl<'l, L: Linearisation> Sampler<'l, L> {
             .iter_mut()
             .map(|mode| self.vectors(mode, scale))
             .collect();
-        if self.q.is_some() {
+        if let Some(fit) = fit {
+            fit.slopes(s, &mut self.plus);
+            for (mode, (left, right)) in modes.iter_mut().zip(&vectors) {
+                mode.by_s = self.form(left, right);
+            }
+        } else if self.q.is_some() {
             // Ends of q's range may be those of the equations' domain, so differences stay inside.
             let (low, high) = ((s - STEP).max(0.0), (s + STEP).min(1.0));
             if !self.at(u, low, |own| &mut own.minus) || !self.at(u, high, |own| &mut own.plus) {
@@ -253,6 +351,21 @@ impl<'l, L: Linearisation> Sampler<'l, L> {
             sum += w * image;
         }
         sum
+    }
+}
+
+impl Fit {
+    fn values(&self, s: f64, out: &mut [f64]) {
+        for (own, out) in self.coefficients.chunks_exact(DEGREE + 1).zip(out) {
+            *out = own.iter().rev().fold(0.0, |sum, c| sum * s + c);
+        }
+    }
+
+    fn slopes(&self, s: f64, out: &mut [f64]) {
+        for (own, out) in self.coefficients.chunks_exact(DEGREE + 1).zip(out) {
+            let terms = own.iter().enumerate().skip(1).rev();
+            *out = terms.fold(0.0, |sum, (power, c)| sum * s + power as f64 * c);
+        }
     }
 }
 

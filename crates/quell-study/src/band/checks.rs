@@ -36,6 +36,9 @@ const ALONG: usize = 3;
 /// A motion is watched for so many times its linear decay, and at most so many turns.
 const DECAYS: f64 = 3.0;
 const TURNS: f64 = 200.0;
+/// Where so little has decayed by then, it is watched for longer: until this part is left, and at most so many turns.
+const LEFT: f64 = 0.6;
+const MOST_TURNS: f64 = 3000.0;
 /// It has decayed where its last swing is less than this part of its first, or where linear decay is slower, not much more than that
 /// leaves.
 const DECAYED: f64 = 0.5;
@@ -304,8 +307,8 @@ impl Look<'_> {
             cut = extreme;
         }
         tests.words.push(format!(
-            "beyond {what} stable cycles exist beside the stable equilibrium, from {name} = {:.9} {} to the {side} end of the linear band at {:.9}",
-            cut.0, self.plan.p.unit, edge.p
+            "beyond {what} stable cycles exist beside the stable equilibrium: from {name} = {:.9} to the {side} end of the linear band at {:.9}",
+            cut.0, edge.p
         ));
         let words = match (&self.plan.q, cut.1) {
             (Some(free), Some(q)) => format!("{what} at {} = {q:.6} {}", free.name, free.unit),
@@ -427,12 +430,13 @@ fn simulations(
         return;
     }
     tests.words.push(format!(
-        "{decayed} of {made} motions let go within the band decayed, pushed so far that the nonlinear part of the rates was {PUSH} of the linear one"
+        "{decayed} of {made} motions let go within the band were seen to decay, pushed so far that the nonlinear part of the rates was {PUSH} of the linear one"
     ));
     if !open.is_empty() {
-        tests
-            .words
-            .push(format!("not seen to decay: {}", open.join("; ")));
+        tests.words.push(format!(
+            "not seen to decay, or too slowly to tell: {}",
+            open.join("; ")
+        ));
     }
 }
 
@@ -515,13 +519,15 @@ fn pushed(rest: &mut super::rest::AtRest<'_>, p: f64, q: f64, random: &mut u64) 
         .iter()
         .map(|size| by * size.max(1e-9 * largest))
         .collect();
-    let turns = TURNS * std::f64::consts::TAU / first.im;
+    let turn = std::f64::consts::TAU / first.im;
+    let short = (DECAYS / first.re.abs()).min(TURNS * turn);
+    let long = (LEFT.ln() / first.re).min(MOST_TURNS * turn);
     Some(Push {
         state,
         rest: still,
         scale,
         growth: first.re,
-        duration: (DECAYS / first.re.abs()).min(turns),
+        duration: short.max(long),
     })
 }
 

@@ -11,6 +11,7 @@ use quell_document::Fault;
 use quell_expression::{Dimension, nearest};
 use quell_model::EquationHost;
 use quell_model::system::{Owner, System};
+use quell_response::{OperatingError, OperatingPoint};
 
 use super::ask::{BandSpec, BandValue};
 use super::checks::{self, Tests};
@@ -34,6 +35,8 @@ pub(crate) struct FoundBands {
     pub(crate) bands: Bands,
     /// What was tested beside the linear equations, for each band.
     pub(super) tests: Vec<Tests>,
+    /// Why no linear equations hold about the equilibrium, where that was looked at.
+    refused: Option<String>,
     /// Values of devices at which they hold.
     mechanical: Vec<f64>,
     laws: Vec<f64>,
@@ -59,6 +62,9 @@ impl FoundBands {
 
     /// The number that a criterion is; zero width where there is no band, and no ends.
     pub(crate) fn value(&self, value: BandValue) -> f64 {
+        if self.refused.is_some() {
+            return f64::NAN;
+        }
         match (self.bands.widest(), value) {
             (Some(band), BandValue::Width) => band.width(),
             (Some(band), BandValue::Lower) => band.lower.p,
@@ -177,6 +183,7 @@ impl BandPlan {
         FoundBands {
             bands: stable_bands(&mut rest, self.p.span, q, settings),
             tests: Vec::new(),
+            refused: None,
             mechanical: values.mechanical.clone(),
             laws: values.laws.clone(),
         }
@@ -190,10 +197,30 @@ impl BandPlan {
             ..self.settings
         };
         let mut found = self.sought(built, values, &finer);
+        found.refused = self.refused(built, values, &found);
+        if found.refused.is_some() {
+            return found;
+        }
         if cycles {
             checks::test(self, built, values, &mut found);
         }
         found
+    }
+
+    /// Why no linear equations hold about the equilibrium in the middle of the widest band: a kink, a jump, time.
+    fn refused(&self, built: &Built, values: &ValueScratch, found: &FoundBands) -> Option<String> {
+        let middle = |span: &ParameterSpan| span.value(0.5);
+        let p = found.bands.widest().map_or_else(
+            || middle(&self.p.span),
+            |band| 0.5 * (band.lower.p + band.upper.p),
+        );
+        let q = self.q.as_ref().map_or(0.0, |free| middle(&free.span));
+        let mut rest = self.at_rest(built, values);
+        rest.set(p, q);
+        match OperatingPoint::find(&mut rest.prepared) {
+            Ok(_) | Err(OperatingError::NoEquilibrium { .. } | OperatingError::Linear(_)) => None,
+            Err(why) => Some(why.to_string()),
+        }
     }
 
     /// ∂Re λ/∂(design variable) at (p, q), of the eigenvalue next to `near`: central differences, good to some 1e-6.
@@ -282,6 +309,9 @@ impl BandPlan {
 
     /// The bands for a record.
     pub(crate) fn results(&self, found: &FoundBands) -> Vec<BandResult> {
+        if found.refused.is_some() {
+            return Vec::new();
+        }
         let bands = found.bands.bands.iter().enumerate();
         bands
             .map(|(index, band)| BandResult {
@@ -382,6 +412,9 @@ impl BandPlan {
     /// What is known about its numbers, in words.
     pub(crate) fn status(&self, found: &FoundBands) -> String {
         let name = &self.p.name;
+        if let Some(why) = &found.refused {
+            return why.clone();
+        }
         match found.bands.widest() {
             None => format!(
                 "there is no value of `{name}` in its range at which the equilibrium is stable throughout"

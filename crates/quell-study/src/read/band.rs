@@ -9,7 +9,7 @@ use crate::band::{BandSpec, BandValue, Over};
 use crate::continuation::ParameterRange;
 
 /// The keys that only a stable band has.
-const KEYS: [&str; 4] = ["of", "range", "over", "start"];
+const KEYS: [&str; 3] = ["of", "range", "start"];
 
 /// Whether all criteria are stable bands or made of them, so that no run is needed.
 pub(super) fn alone(root: &Table<'_>) -> bool {

@@ -1,6 +1,8 @@
 //! What happens to stable bands between the points of a sweep: islands that split them are born, bands close.
 
-use quell_continuation::{Band, Bands};
+use std::cmp::Ordering;
+
+use quell_continuation::{Band, Bands, Edge};
 
 use super::{RunError, Runner};
 use crate::built::ValueScratch;
@@ -45,7 +47,7 @@ impl Runner<'_> {
                 continue;
             };
             for (index, (one, other)) in before.iter().zip(after).enumerate() {
-                if one.bands.bands.len() != other.bands.bands.len() {
+                if !alike(&one.bands, &other.bands) {
                     self.locate(task, (from, to), index, &mut events)?;
                 }
             }
@@ -93,7 +95,7 @@ impl Runner<'_> {
         Ok(found)
     }
 
-    /// Bisects between two points where the number of bands changes, and again beyond where it changes more than once.
+    /// Bisects for the first change between two points, and goes on from there.
     fn locate(
         &self,
         task: &Task,
@@ -101,59 +103,90 @@ impl Runner<'_> {
         index: usize,
         events: &mut Vec<SweepEvent>,
     ) -> Result<(), RunError> {
-        let (Some((name, mut low)), Some((_, mut high))) = (from.first(), to.first()) else {
+        let (Some((name, mut low)), Some((_, end))) = (from.first(), to.first()) else {
             return Ok(());
         };
-        let width = (high - low).abs();
-        let count = |found: &[At]| found.get(index).map_or(0, |at| at.bands.bands.len());
-        let (mut below, mut above) = (self.bands_at(task, from)?, self.bands_at(task, to)?);
-        while (high - low).abs() > LOCATED * width {
-            let middle = 0.5 * (low + high);
-            if middle == low || middle == high {
-                break;
+        let width = (end - low).abs();
+        let last = self.bands_at(task, to)?;
+        let mut below = self.bands_at(task, from)?;
+        let same = |a: &[At], b: &[At]| match (a.get(index), b.get(index)) {
+            (Some(a), Some(b)) => alike(&a.bands, &b.bands),
+            _ => true,
+        };
+        // More than a few changes between two points are no business of a sweep.
+        for _ in 0..MOST {
+            if same(&below, &last) {
+                return Ok(());
             }
-            let found = self.bands_at(task, &from.moved(middle))?;
-            if count(&found) == count(&below) {
-                (low, below) = (middle, found);
-            } else {
-                // The first change is located here; a second one lies beyond it.
-                if count(&found) != count(&above) {
-                    let beyond = from.moved(high);
-                    self.locate(task, (&from.moved(middle), &beyond), index, events)?;
+            let (mut high, mut above) = (end, None);
+            while (high - low).abs() > LOCATED * width {
+                let middle = 0.5 * (low + high);
+                if middle == low || middle == high {
+                    break;
                 }
-                (high, above) = (middle, found);
+                let found = self.bands_at(task, &from.moved(middle))?;
+                if same(&below, &found) {
+                    (low, below) = (middle, found);
+                } else {
+                    (high, above) = (middle, Some(found));
+                }
             }
+            let Some(above) = above else {
+                return Ok(());
+            };
+            if let (Some(one), Some(other)) = (below.get(index), above.get(index))
+                && !same(&below, &above)
+            {
+                events.push(event(name, 0.5 * (low + high), one, other));
+            }
+            (low, below) = (high, above);
         }
-        let (Some(one), Some(other)) = (below.get(index), above.get(index)) else {
-            return Ok(());
-        };
-        let grows = other.bands.bands.len() > one.bands.bands.len();
-        let more = if grows { other } else { one };
-        let (split, band) = critical(&more.bands.bands);
-        let what = match (split, grows) {
-            (true, true) => "island born",
-            (true, false) => "island gone",
-            (false, true) => "band opened",
-            (false, false) => "band closed",
-        };
-        let place = more
-            .places
-            .get(band)
-            .map(|[lower, upper]| if split { upper } else { lower }.clone());
-        let event = SweepEvent {
-            parameter: name.to_owned(),
-            value: 0.5 * (low + high),
-            configuration: more.configuration.clone(),
-            criterion: more.criterion.clone(),
-            what,
-            place: place.unwrap_or_default(),
-        };
-        let place = events
-            .iter()
-            .position(|known| known.value > event.value)
-            .unwrap_or(events.len());
-        events.insert(place, event);
         Ok(())
+    }
+}
+
+/// Most changes that are located between two points.
+const MOST: usize = 8;
+
+/// Edges are those of one mode when their frequencies differ by less than this.
+const DRIFT: f64 = 0.1;
+
+/// Whether two sets of bands are of one kind: as many, and their ends limited by the same modes in the same way.
+fn alike(a: &Bands, b: &Bands) -> bool {
+    let same = |one: &Edge, other: &Edge| {
+        let (first, second) = (one.eigenvalue.im, other.eigenvalue.im);
+        one.limit == other.limit && (first - second).abs() <= DRIFT * first.max(second)
+    };
+    a.bands.len() == b.bands.len()
+        && a.bands
+            .iter()
+            .zip(&b.bands)
+            .all(|(one, other)| same(&one.lower, &other.lower) && same(&one.upper, &other.upper))
+}
+
+/// What happens between two neighbouring values.
+fn event(name: &str, value: f64, one: &At, other: &At) -> SweepEvent {
+    let (before, after) = (one.bands.bands.len(), other.bands.bands.len());
+    let more = if after > before { other } else { one };
+    let (split, band) = critical(&more.bands.bands);
+    let what = match (after.cmp(&before), split) {
+        (Ordering::Greater, true) => "island born",
+        (Ordering::Less, true) => "island gone",
+        (Ordering::Greater, false) => "band opened",
+        (Ordering::Less, false) => "band closed",
+        (Ordering::Equal, _) => "another limit",
+    };
+    let place = more
+        .places
+        .get(band)
+        .map(|[lower, upper]| if split { upper } else { lower }.clone());
+    SweepEvent {
+        parameter: name.to_owned(),
+        value,
+        configuration: more.configuration.clone(),
+        criterion: more.criterion.clone(),
+        what,
+        place: place.unwrap_or_default(),
     }
 }
 
