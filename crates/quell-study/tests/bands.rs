@@ -8,6 +8,7 @@
 
 use std::path::{Path, PathBuf};
 
+use quell_document::Source;
 use quell_study::results::{ConfigurationResult, Results, TaskBody, TaskFindings};
 use quell_study::{RunSettings, Silent, Study};
 
@@ -122,9 +123,25 @@ fn stable_cycles_end_a_band() {
     assert!(band.limited_by[1].contains("fold of cycles"), "{band:#?}");
     assert_eq!(band.lower, 4.0);
     assert_eq!(found.criteria["free"].to_bits(), band.upper.to_bits());
-    // The curve of folds at 14.5 m/s passes below the damping 0.5628 for which it is at 14.66 m/s.
-    let band = &found.details["damping"].bands[0];
-    assert!(band.lower < 0.5628 && band.lower > 0.5, "{band:#?}");
+    // Two ways to one point: with the damping at which the curve of folds reaches 20 m/s, the band of speeds ends there. The
+    // extremum of the curve lies at the end of its range, where it is met to the tolerance of the corrector.
+    let damping = found.details["damping"].bands[0].lower;
+    assert!(damping > 0.5628, "{:#?}", found.details["damping"]);
+    let mut text = study.source.text.clone();
+    text.insert_str(
+        text.find("[criteria.free]").unwrap(),
+        &format!("[parameters]\nc_a = {damping:.12}\n\n"),
+    );
+    let source = Source::new("again.toml".to_owned(), text);
+    let again = Study::parse(source, &study.folder).unwrap();
+    let results = run(&again, &["free speeds"]);
+    let TaskBody::Single(TaskFindings::Evaluate { configurations }) =
+        &results.tasks["free speeds"].body
+    else {
+        panic!("no evaluation");
+    };
+    let speed = configurations["section"].criteria["free"];
+    assert!((speed / 20.0 - 1.0).abs() < 1e-6, "{speed} at {damping}");
 }
 
 /// The same source: bending splits the band at ks = 7.865e5 N m/rad, and it closes at 4.7371e5.
@@ -134,13 +151,14 @@ fn events_of_a_sweep_are_located() {
     let results = run(&study, &["L2 over ks"]);
     let events = &results.tasks["L2 over ks"].events;
     println!("{events:#?}");
-    assert_eq!(events.len(), 2, "{events:#?}");
-    assert_eq!(
-        (events[0].what, events[1].what),
-        ("band opened", "island born")
-    );
-    assert!((events[0].value - 4.7371e5).abs() < 50.0, "{events:#?}");
-    assert!((events[1].value - 7.865e5).abs() < 200.0, "{events:#?}");
+    let of = |what: &str| -> Vec<f64> {
+        let own = events.iter().filter(|event| event.what == what);
+        own.map(|event| event.value).collect()
+    };
+    let (opened, born) = (of("band opened"), of("island born"));
+    assert_eq!((opened.len(), born.len()), (1, 1), "{events:#?}");
+    assert!((opened[0] - 4.7371e5).abs() < 50.0, "{events:#?}");
+    assert!((born[0] - 7.865e5).abs() < 200.0, "{events:#?}");
 }
 
 /// The same source: widths with the best spring of each inerter. Tolerance 5 of the source's grid of springs.

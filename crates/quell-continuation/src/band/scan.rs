@@ -16,6 +16,8 @@ const BISECTED: f64 = 1e-11;
 const SAME: f64 = 0.3;
 /// A crest between two columns is told where it is nearer to the axis than this part of what is beside it.
 const NEAR: f64 = 0.2;
+/// Or where its damping ratio is less than this.
+const LIGHT: f64 = 0.02;
 /// Parts of an interval at which the cubics of all ridges are compared.
 const PARTS: usize = 32;
 
@@ -201,7 +203,8 @@ impl<L: Linearisation> Scan<'_, '_, L> {
             let size = span.cubic.ends[0].abs().max(span.cubic.ends[1].abs());
             let highest = span.highest();
             // What comes near the axis is told, even where it stays below.
-            if highest < -NEAR * size || (highest < 0.0 && span.cubic.crest().is_none()) {
+            let near = highest >= -NEAR * size || highest >= -LIGHT * span.from.mode.value.norm();
+            if !near || (highest < 0.0 && span.cubic.crest().is_none()) {
                 continue;
             }
             let t = span.cubic.highest().0;
