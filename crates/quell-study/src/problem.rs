@@ -145,6 +145,11 @@ impl DesignProblem {
         })
     }
 
+    /// The objective and the constraints.
+    fn goals(&self) -> impl Iterator<Item = &Goal> {
+        std::iter::once(&self.objective).chain(&self.constraints)
+    }
+
     /// Makes the grids of peaks denser where certificates at `point` find more than they do; false where they find nothing.
     ///
     /// An optimiser drifts to where a grid misses a peak. What `quell run` does against it: search, refine at the best point,
@@ -276,6 +281,9 @@ impl Problem for DesignProblem {
 
     fn is_smooth(&self) -> bool {
         self.evaluator.is_in_time()
+            || self
+                .goals()
+                .all(|goal| self.evaluator.is_band(goal.criterion))
     }
 
     fn pieces(
@@ -286,10 +294,9 @@ impl Problem for DesignProblem {
         scratch: &mut ProblemScratch,
     ) -> bool {
         // The larger the better of a peak is no minimax problem; a number of a stable band is one piece either way.
-        let goals = || std::iter::once(&self.objective).chain(&self.constraints);
-        if goals()
-            .any(|goal| goal.sense == Sense::Maximise && !self.evaluator.is_band(goal.criterion))
-        {
+        let unbounded =
+            |goal: &Goal| goal.sense == Sense::Maximise && !self.evaluator.is_band(goal.criterion);
+        if self.goals().any(unbounded) {
             return false;
         }
         self.evaluator
@@ -306,7 +313,8 @@ impl Problem for DesignProblem {
             },
         );
         if !objective {
-            return false;
+            // Where there is no band there are no slopes, but elsewhere there are.
+            return self.evaluator.is_band(self.objective.criterion);
         }
         for (index, goal) in self.constraints.iter().enumerate() {
             let factor = goal.sense.sign() / goal.scale();
