@@ -38,12 +38,15 @@ const DECAYS: f64 = 3.0;
 const TURNS: f64 = 200.0;
 /// Where so little has decayed by then, it is watched for longer: until this part is left, and at most so many turns.
 const LEFT: f64 = 0.6;
-const MOST_TURNS: f64 = 3000.0;
+const MOST_TURNS: f64 = 600.0;
 /// It has decayed where its last swing is less than this part of its first, or where linear decay is slower, not much more than that
 /// leaves.
 const DECAYED: f64 = 0.5;
 const SLOWER: f64 = 1.1;
 const STANDING: f64 = 0.97;
+/// Relative error of special points of cycles, that of their meshes, and of extrema of their curves.
+const LOCATED: f64 = 1e-8;
+const EXTREMUM: f64 = 1e-6;
 /// Seed of the pushes.
 const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
@@ -69,7 +72,13 @@ pub(super) fn test(plan: &BandPlan, built: &Built, values: &ValueScratch, found:
             .edge(&edge, side, &mut tests);
             if let Some((p, q, words)) = looked {
                 tests.cuts[index] = Some(words);
-                let cut = Edge { p, q, ..edge };
+                let error = if q.is_some() { EXTREMUM } else { LOCATED };
+                let cut = Edge {
+                    p,
+                    q,
+                    error,
+                    ..edge
+                };
                 if index == 0 {
                     own.lower = cut;
                 } else {
@@ -311,7 +320,9 @@ impl Look<'_> {
             cut.0, edge.p
         ));
         let words = match (&self.plan.q, cut.1) {
-            (Some(free), Some(q)) => format!("{what} at {} = {q:.6} {}", free.name, free.unit),
+            (Some(free), Some(q)) => format!("{what} at {} = {q:.6} {}", free.name, free.unit)
+                .trim_end()
+                .to_owned(),
             _ => what.to_owned(),
         };
         Some((cut.0, cut.1.filter(|_| self.plan.q.is_some()), words))
@@ -340,6 +351,11 @@ impl Look<'_> {
         let best = (0..points.len())
             .max_by(|a, b| (inwards * points[*a].0).total_cmp(&(inwards * points[*b].0)))?;
         let (p, q) = *points.get(best)?;
+        // At an end of the range there is no parabola: the curve goes on beyond it.
+        let width = free.span.to - free.span.from;
+        if (q - free.span.from).min(free.span.to - q) <= 1e-7 * width {
+            return Some((p, Some(q)));
+        }
         // Between the neighbours a parabola through three points.
         let neighbours = best
             .checked_sub(1)

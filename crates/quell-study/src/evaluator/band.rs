@@ -16,9 +16,13 @@ use crate::study::{Criterion, Study};
 /// a search resolves, and a search tells constraints apart to some 1e-6.
 const UNIT: f64 = 1e-4;
 
-/// Re λ/|λ| in units of [`UNIT`].
+/// A search stays so far on the safe side of an island's birth, as a damping ratio: far above the rounding of eigenvalues, so that whoever
+/// looks again finds the island unborn, and far below what moves an edge noticeably.
+const SAFE: f64 = 1e-9;
+
+/// Re λ/|λ| and the safe distance, in units of [`UNIT`].
 fn ratio(peak: &Peak) -> f64 {
-    peak.eigenvalue.re / (UNIT * peak.eigenvalue.norm())
+    (peak.eigenvalue.re / peak.eigenvalue.norm() + SAFE) / UNIT
 }
 
 impl Evaluator {
@@ -132,8 +136,8 @@ impl Evaluator {
         !self.bands.is_empty()
     }
 
-    /// How near an island of instability is to being born within the widest band, as the largest -ζ (in units of 1e-4) of those that are not: below
-    /// zero always, for one that is born splits the band. A search that steps over it falls off a cliff, so it is a constraint.
+    /// How near an island of instability is to being born within the widest band, as the largest -ζ (in units of 1e-4) of those that are not.
+    /// Above zero only within [`SAFE`] of the birth, for one that is born splits the band. A search that steps over it falls off a cliff, so it is a constraint.
     pub(crate) fn nearest_island(&self, scratch: &EvaluatorScratch) -> f64 {
         let islands = scratch.bands.iter().flat_map(FoundBands::unborn);
         islands.map(|peak| ratio(&peak)).fold(-1.0, f64::max)
