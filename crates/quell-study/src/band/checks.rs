@@ -352,8 +352,8 @@ impl Look<'_> {
             .max_by(|a, b| (inwards * points[*a].0).total_cmp(&(inwards * points[*b].0)))?;
         let (p, q) = *points.get(best)?;
         // At an end of the range there is no parabola: the curve goes on beyond it.
-        let width = free.span.to - free.span.from;
-        if (q - free.span.from).min(free.span.to - q) <= 1e-7 * width {
+        let across = free.span.to - free.span.from;
+        if (q - free.span.from).min(free.span.to - q) <= 1e-7 * across {
             return Some((p, Some(q)));
         }
         // Between the neighbours a parabola through three points.
