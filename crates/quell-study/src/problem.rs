@@ -274,7 +274,7 @@ impl Problem for DesignProblem {
             *out = goal.excess(value(goal));
         }
         if let Some(out) = constraints.get_mut(self.constraints.len()) {
-            *out = self.evaluator.nearest_island(&scratch.evaluator);
+            *out = Evaluator::nearest_island(&scratch.evaluator);
         }
         self.objective.sense.sign() * value(&self.objective)
     }

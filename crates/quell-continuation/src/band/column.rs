@@ -106,9 +106,8 @@ impl<L: Linearisation> Sampler<'_, L> {
             return column;
         }
         let rows = settings.rows.max(1);
-        let mut from = match self.sample(u, 0.0, Want::All) {
-            Some(sample) => sample,
-            None => return column.incomplete(),
+        let Some(mut from) = self.sample(u, 0.0, Want::All) else {
+            return column.incomplete();
         };
         for row in 0..rows {
             let end = (row + 1) as f64 / rows as f64;
@@ -122,21 +121,18 @@ impl<L: Linearisation> Sampler<'_, L> {
             while let Some(to) = ahead.last() {
                 let width = to.s - from.s;
                 let matched = pairs(&from, to);
-                match divided(&matched, &from, to, width) {
-                    Some(part) => {
-                        let middle = from.s + part * width;
-                        match self.sample(u, middle, Want::All) {
-                            Some(sample) => ahead.push(sample),
-                            None => return column.incomplete(),
-                        }
-                    }
-                    None => {
-                        column.stable &= from.growth() < 0.0 && to.growth() < 0.0;
-                        self.crests(&mut column, &matched, &from, width);
-                        if let Some(next) = ahead.pop() {
-                            from = next;
-                        }
-                    }
+                if let Some(part) = divided(&matched, &from, to, width) {
+                    let middle = from.s + part * width;
+                    let Some(sample) = self.sample(u, middle, Want::All) else {
+                        return column.incomplete();
+                    };
+                    ahead.push(sample);
+                    continue;
+                }
+                column.stable &= from.growth() < 0.0 && to.growth() < 0.0;
+                self.crests(&mut column, &matched, &from, width);
+                if let Some(next) = ahead.pop() {
+                    from = next;
                 }
             }
         }

@@ -132,12 +132,11 @@ impl<'l, L: Linearisation> Sampler<'l, L> {
 
     fn at(&mut self, u: f64, s: f64, into: fn(&mut Self) -> &mut Vec<f64>) -> bool {
         // Beyond an end of p's range by a difference's step: the scale goes on there.
-        let p = if u < 0.0 || u > 1.0 {
-            let end = u.clamp(0.0, 1.0);
-            self.p.value(end) + (u - end) * self.p.slope(end)
-        } else {
-            self.p.value(u)
-        };
+        let end = u.clamp(0.0, 1.0);
+        let mut p = self.p.value(end);
+        if u != end {
+            p += (u - end) * self.p.slope(end);
+        }
         let q = self.q.map_or(0.0, |q| q.value(s));
         let mut buffer = std::mem::take(into(self));
         let good = self.linearisation.matrix(p, q, &mut buffer)

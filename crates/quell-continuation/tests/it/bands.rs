@@ -1,5 +1,7 @@
 //! Stable bands of oscillators whose growth rates are given functions of two parameters: the edges are known in closed form.
 
+use std::f64::consts::PI;
+
 use quell_continuation::{BandSettings, Bands, Limit, Linearisation, ParameterSpan, stable_bands};
 
 /// Oscillators x'' - 2 h x' + ω² x = 0 with growth rates h(p, q), of which Re λ = h while |h| < ω, all mixed by a similarity.
@@ -191,7 +193,6 @@ fn one_parameter_alone() {
         ParameterSpan::new(1.0, 20.0),
         None,
     );
-    use std::f64::consts::PI;
     edges(
         &found,
         &[(PI, 2.0 * PI), (3.0 * PI, 4.0 * PI), (5.0 * PI, 6.0 * PI)],

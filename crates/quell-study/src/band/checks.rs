@@ -404,9 +404,11 @@ fn simulations(
                 continue;
             };
             made += 1;
-            let mut settings = quell_response::transient::Settings::default();
-            settings.relative = 1e-5;
-            settings.divergence = 1e6;
+            let settings = quell_response::transient::Settings {
+                relative: 1e-5,
+                divergence: 1e6,
+                ..quell_response::transient::Settings::default()
+            };
             let run = simulate(
                 &mut rest.prepared,
                 &push.state,

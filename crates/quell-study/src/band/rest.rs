@@ -144,26 +144,20 @@ impl<'a> AtRest<'a> {
                 from + step
             };
             self.set(p, to);
-            match self.correct(&x) {
-                Some(next) => {
-                    x = next;
-                    from = to;
-                    stride = (2.0 * stride).min(STRIDE * width);
-                    // Neighbours that differences ask for are not worth keeping.
-                    if self
-                        .known
-                        .iter()
-                        .all(|(at, _)| (at - to).abs() > 1e-3 * width)
-                    {
-                        self.known.push((to, x.clone()));
-                    }
+            let Some(next) = self.correct(&x) else {
+                stride = 0.25 * step.abs();
+                if stride < SHORTEST * width {
+                    return None;
                 }
-                None => {
-                    stride = 0.25 * step.abs();
-                    if stride < SHORTEST * width {
-                        return None;
-                    }
-                }
+                continue;
+            };
+            x = next;
+            from = to;
+            stride = (2.0 * stride).min(STRIDE * width);
+            // Neighbours that differences ask for are not worth keeping.
+            let apart = |(at, _): &(f64, Vec<f64>)| (at - to).abs() > 1e-3 * width;
+            if self.known.iter().all(apart) {
+                self.known.push((to, x.clone()));
             }
         }
         self.set(p, q);

@@ -34,13 +34,13 @@ impl Evaluator {
         (name, criterion): (&str, &Criterion),
         spec: &BandSpec,
     ) -> Result<(), Fault> {
-        let index = match self.bands.iter().position(|known| known.serves(spec)) {
-            Some(known) => known,
-            None => {
-                let plan = BandPlan::new(study, situation, &self.built, spec)?;
-                self.bands.push(plan);
-                self.bands.len() - 1
-            }
+        let known = self.bands.iter().position(|known| known.serves(spec));
+        let index = if let Some(known) = known {
+            known
+        } else {
+            let plan = BandPlan::new(study, situation, &self.built, spec)?;
+            self.bands.push(plan);
+            self.bands.len() - 1
         };
         let dimension = self
             .bands
@@ -138,7 +138,7 @@ impl Evaluator {
 
     /// How near an island of instability is to being born within the widest band, as the largest -ζ (in units of 1e-4) of those that are not.
     /// Above zero only within [`SAFE`] of the birth, for one that is born splits the band. A search that steps over it falls off a cliff, so it is a constraint.
-    pub(crate) fn nearest_island(&self, scratch: &EvaluatorScratch) -> f64 {
+    pub(crate) fn nearest_island(scratch: &EvaluatorScratch) -> f64 {
         let islands = scratch.bands.iter().flat_map(FoundBands::unborn);
         islands.map(|peak| ratio(&peak)).fold(-1.0, f64::max)
     }
