@@ -38,6 +38,7 @@
     clippy::needless_pass_by_value, // traces are handed over
 )]
 
+mod band;
 mod branch;
 mod curve;
 mod dense;
@@ -50,11 +51,16 @@ mod path;
 mod problem;
 mod settings;
 
+pub use band::{
+    Band, BandSettings, Bands, Edge, Limit, Linearisation, ParameterSpan, Peak, eigenpairs,
+    eigenvalue_near, first_lyapunov, stable_bands,
+};
 pub use branch::{Branch, Equilibrium, Point, Special};
 pub use curve::{
     CriticalEquilibrium, CriticalOrbit, cycle_curve, fold_curve, fold_from_generalised_hopf,
     hopf_curve, torus_from_hopf_hopf,
 };
+pub use dense::solve_linear;
 pub use diagram::{Diagram, DiagramSettings, Member, diagram};
 pub use equilibrium::{equilibria, equilibria_across};
 pub use kind::{Certainty, Kind};

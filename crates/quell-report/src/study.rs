@@ -1,5 +1,6 @@
 //! The report of a study: what a run found, as a [`Page`].
 
+mod bands;
 mod branches;
 mod device;
 mod front;

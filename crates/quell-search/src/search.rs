@@ -98,8 +98,9 @@ pub fn start<P: Problem>(problem: &P, settings: &Settings, key: u64, index: usiz
             break;
         }
     }
-    // Differences see one side of a kink; a simplex goes on from where they stall.
-    let stalled = evaluator.differences() && ending == Ending::Stalled;
+    // Differences see one side of a kink, and gradients nothing of a jump; a simplex goes on from where they stall.
+    let jumps = evaluator.differences() || problem.is_smooth();
+    let stalled = jumps && ending == Ending::Stalled;
     if (ending == Ending::Unavailable || stalled) && !evaluator.best.is_failed() {
         let most = if available {
             POLISH * dimension

@@ -67,6 +67,8 @@ enum Origin {
     Searched(usize),
     /// A value that is given, SI.
     Given(f64),
+    /// The own parameter of a stable band, which moves in it; a value within its range, SI, stands in.
+    Moved(f64),
 }
 
 /// The value of a parameter of a nonlinear element.
@@ -300,7 +302,7 @@ impl Built {
             .all
             .extend(self.origins.iter().map(|origin| match origin {
                 Origin::Searched(index) => point.get(*index).copied().unwrap_or(f64::NAN),
-                Origin::Given(value) => *value,
+                Origin::Given(value) | Origin::Moved(value) => *value,
             }));
         scratch.mechanical.resize(self.element_count(), f64::NAN);
         scratch.laws.clear();
@@ -308,7 +310,7 @@ impl Built {
             .laws
             .extend(self.laws.iter().map(|law| match law.origin {
                 Origin::Searched(index) => point.get(index).copied().unwrap_or(f64::NAN),
-                Origin::Given(value) => value,
+                Origin::Given(value) | Origin::Moved(value) => value,
             }));
     }
 
@@ -481,14 +483,38 @@ impl Built {
         self.devices(point)
             .into_iter()
             .flat_map(|device| device.elements)
+            .filter(|element| !self.moves(&element.name))
             .find(|element| !(element.value.is_finite() && element.value >= 0.0))
             .map(|element| (element.name, element.value))
+    }
+
+    /// Whether a value is the own parameter of a stable band, and nothing gives it another.
+    fn moves(&self, name: &str) -> bool {
+        self.moved_names().any(|known| known == name)
+    }
+
+    /// Values that nothing gives but the range of a stable band.
+    pub(crate) fn moved_names(&self) -> impl Iterator<Item = &str> {
+        self.attachments.iter().flat_map(|attachment| {
+            let origins = self.origins.iter().skip(attachment.variables.start);
+            let variables = attachment.expansion.variables().iter();
+            variables
+                .zip(origins)
+                .filter(|(_, origin)| matches!(origin, Origin::Moved(_)))
+                .map(|(variable, _)| variable.name.as_str())
+        })
     }
 
     /// The devices with values, for results and reports.
     pub(crate) fn devices(&self, point: &[f64]) -> Vec<BuiltDevice> {
         let mut scratch = ValueScratch::default();
         self.spread(point, &mut scratch);
+        // What moves in a band has no value.
+        for (value, origin) in scratch.all.iter_mut().zip(&self.origins) {
+            if matches!(origin, Origin::Moved(_)) {
+                *value = f64::NAN;
+            }
+        }
         self.attachments
             .iter()
             .enumerate()
@@ -525,7 +551,7 @@ impl Built {
                     .map(|((variable, origin), value)| {
                         let searched = match origin {
                             Origin::Searched(index) => self.variables.get(*index),
-                            Origin::Given(_) => None,
+                            Origin::Given(_) | Origin::Moved(_) => None,
                         };
                         NamedValue {
                             name: variable.name.clone(),
@@ -544,7 +570,7 @@ impl Built {
                     .map(|(law, value)| {
                         let searched = match law.origin {
                             Origin::Searched(index) => self.variables.get(index),
-                            Origin::Given(_) => None,
+                            Origin::Given(_) | Origin::Moved(_) => None,
                         };
                         NamedValue {
                             name: law.name.clone(),

@@ -46,7 +46,7 @@ pub fn check(study: &Study) -> Result<Summary, Fault> {
             let situation = situation::build(&study.host, &study.overrides, &at.parameters())?;
             line = match &task.kind {
                 TaskKind::Evaluate(configurations) => {
-                    for spec in configurations.values() {
+                    for spec in at.configurations(configurations).values() {
                         configuration(study, &situation, spec)?;
                     }
                     format!(

@@ -106,7 +106,7 @@ pub(crate) fn parts<'a>(
     criterion: &Criterion,
     criteria: &'a IndexMap<String, Criterion>,
 ) -> Vec<&'a str> {
-    if criterion.run.is_some() {
+    if criterion.run.is_some() || criterion.band.is_some() {
         return Vec::new();
     }
     let names = criterion.value.names();

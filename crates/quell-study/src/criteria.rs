@@ -16,6 +16,7 @@
 //! equations it is any expression, taken linear about the static equilibrium;
 //! around these calls any arithmetic over host parameters may stand.
 
+use crate::band::BandValue;
 use crate::linear::Output;
 use crate::transient::Observation;
 use quell_expression::{
@@ -35,6 +36,8 @@ pub(crate) enum Functional {
     Modes(Statistic, Modal),
     /// A number of a run in time.
     Time(Observation),
+    /// A number of a stable band, by its index among those of the evaluator.
+    Band(usize, BandValue),
 }
 
 /// Which norm of a frequency response.

@@ -1,5 +1,6 @@
 //! Criteria of one built candidate: fast values for a search, certified ones for a report.
 
+mod band;
 mod reading;
 mod run;
 mod variation;
@@ -12,6 +13,7 @@ use quell_expression::{Dimension, Expression, ExpressionError, Scope, Tape, Tape
 use quell_model::EquationHost;
 use quell_response::{OperatingPoint, Piece, Plan, PlanSettings, Scratch};
 
+use crate::band::{BandPlan, FoundBands};
 use crate::built::{Built, ValueScratch};
 use crate::combination::{Combination, with_parts};
 use crate::criteria::{Functional, RunContext, RunKind, compile, functional_name};
@@ -67,6 +69,10 @@ pub(crate) struct Evaluator {
     linearised: Vec<(String, LinearisedPlan)>,
     /// Criteria that are taken at several points.
     varied: Vec<Varied>,
+    /// Stable bands, each worked out once for all that is read of it.
+    bands: Vec<BandPlan>,
+    /// Whether everything is looked at, so that what is reported is tested further.
+    thorough: bool,
 }
 
 /// The operating points of the linear runs of a candidate by name, or why there is none.
@@ -84,6 +90,8 @@ pub(crate) struct EvaluatorScratch {
     jacobian: Vec<f64>,
     pieces: Vec<Piece>,
     varied: Option<Box<VariedScratch>>,
+    /// Stable bands at the last values.
+    bands: Vec<FoundBands>,
 }
 
 /// A criterion's value with what is known about it.
@@ -214,6 +222,7 @@ impl Evaluator {
         runs: &IndexMap<String, Run>,
         within: Option<&str>,
     ) -> Result<Self, Fault> {
+        band::refuse_moved(study, &built, only)?;
         let mut evaluator = Self {
             varied: Vec::new(),
             built,
@@ -221,6 +230,8 @@ impl Evaluator {
             programs: Vec::new(),
             transients: Vec::new(),
             linearised: Vec::new(),
+            bands: Vec::new(),
+            thorough: only.is_none(),
         };
         let wanted = study
             .criteria
@@ -266,6 +277,10 @@ impl Evaluator {
             if let Some(variation) = variation_of(name, criterion, within) {
                 let varied = (*name, *criterion, variation);
                 evaluator.vary(study, situation, varied, runs)?;
+                continue;
+            }
+            if let Some(spec) = &criterion.band {
+                evaluator.add_band(study, situation, (name, criterion), spec)?;
                 continue;
             }
             let Some(run) = &criterion.run else {
@@ -497,13 +512,19 @@ impl Evaluator {
             }
         }
         let points = self.operating_points(&scratch.values);
+        self.find_bands(&scratch.values, &mut scratch.bands);
+        let bands = &scratch.bands;
         for (reading, entry) in self.readings.iter().zip(&mut scratch.readings) {
-            if !matches!(reading.functional, Functional::Time(_)) {
-                *entry = match self.linear(&reading.run, &scratch.values, &points) {
+            *entry = match reading.functional {
+                Functional::Time(_) => continue,
+                Functional::Band(index, value) => bands
+                    .get(index)
+                    .map_or(f64::NAN, |found| found.value(value)),
+                _ => match self.linear(&reading.run, &scratch.values, &points) {
                     Ok(linear) => reading.fast(&linear, &mut scratch.response),
                     Err(_) => f64::NAN,
-                };
-            }
+                },
+            };
         }
         for (index, program) in self.programs.iter().enumerate() {
             let value = if let Inputs::Varied(varied, _) = &program.inputs {
@@ -665,6 +686,11 @@ impl Evaluator {
         let ([only], Inputs::Readings) = (program.readings.as_slice(), &program.inputs) else {
             return false;
         };
+        if let Some(Functional::Band(index, value)) =
+            self.readings.get(*only).map(|reading| &reading.functional)
+        {
+            return self.band_piece(*index, *value, factor, scratch, push);
+        }
         let Some(plan) = self
             .readings
             .get(*only)
@@ -731,8 +757,17 @@ impl Evaluator {
             }
         }
         let points = self.operating_points(&scratch.values);
+        let bands = self.tested_bands(&scratch.values);
         for (index, (reading, timed)) in self.readings.iter().zip(timed).enumerate() {
-            let (value, known) = match timed {
+            let of_band = match reading.functional {
+                Functional::Band(index, value) => self
+                    .bands
+                    .get(index)
+                    .zip(bands.get(index))
+                    .map(|(plan, found)| reading::of_band(plan, found, value)),
+                _ => None,
+            };
+            let (value, known) = match timed.or(of_band) {
                 Some(found) => found,
                 None => match self.linear(&reading.run, &scratch.values, &points) {
                     Ok(linear) => reading.certified(&linear),
@@ -795,6 +830,7 @@ impl Evaluator {
                             .map(|known| known.tolerance)
                             .try_fold(0.0, |worst: f64, one| Some(worst.max(one?))),
                         taken: None,
+                        bands: self.band_results(program, &bands),
                         status: worst
                             .map_or_else(|| "certified".to_owned(), |known| known.status.clone()),
                     },
@@ -870,7 +906,7 @@ impl Evaluator {
                     output,
                     band: reading.band,
                 }),
-                Functional::Modes(..) | Functional::Time(_) => None,
+                Functional::Modes(..) | Functional::Time(_) | Functional::Band(..) => None,
             }
         })
     }

@@ -305,6 +305,26 @@ pub const CRITERION: KeySet = KeySet {
     documentation: "One number taken from a run, or from other criteria. Over frequency: `max(abs(y))`, `abs(y, 12 Hz)`, `h2(y)`, `rms(y)`, `variance(y)`; of modes: `min(damping_ratio)`, `min(decay_rate)`, `min(frequency)` and their `max`. y is linear in coordinates, inputs and outputs (`xe - xs`, `xe''`, `force(PORT)`, `stroke(track1)`); where the host is written as equations or a device holds a nonlinear element, any expression, taken linear about the static equilibrium with inputs at rest. Of motion in time, s and b being any expressions of signals: `max(s)`, `min(s)` (of `beyond(s)`: after the end event), `peak(s, n)`, `trough(s, n)`, `largest(s, n)` (the n-th largest peak over the whole run), `span(s, LEVEL)` (from the first to the last time above it), `crossing(s, n)` (the time of the n-th rise through zero), `initial(s)`, `final(s)`, `at(s, TIME)`, `mean(s)`, `rms(s)`, `integral(s)` over time, `integral(s, b)` over b, `settling(s, BAND)`, `settling(s, TARGET, BAND)`, `decay_rate(s)` (of the peaks of s); `span` and `settling` may end with a factor, `span(s, LEVEL, 1.1)`: swings that do not reach so many times the level do not count; of a device or element `potential(NAME)`, `kinetic(NAME)`, `stored(NAME)`, `dissipated(NAME)`; `energy_error`.",
     keys: &[
         Key::optional(
+            "kind",
+            Shape::Choice(&["stable band"]),
+            "`stable band`: the intervals of a parameter in which the equilibrium is stable for every value of an operating parameter. It has no `run`. Edges are located as extrema of bifurcation curves.",
+        ),
+        Key::optional(
+            "of",
+            Shape::Text,
+            "stable band: the parameter whose intervals are sought: a value in the layouts, or a parameter of the host; it is no design variable. It may be the operating parameter itself, with `over` left out.",
+        ),
+        Key::optional(
+            "range",
+            Shape::List(&Shape::Amount),
+            "stable band: `[lower, upper]` of `of`; of a parameter of the host that of `[operating]` unless given. Ends of the range are limits too.",
+        ),
+        Key::optional(
+            "start",
+            Shape::MapOf(&Shape::Amount),
+            "stable band: which equilibrium: the one that Newton's method finds from these values of coordinates and states at the lower end of `over`; the host's `start` unless given. It is followed over the range; where it ends, `of` is outside of the band.",
+        ),
+        Key::optional(
             "run",
             Shape::Text,
             "Name of the run. Left out, `value` is an expression of other criteria: their weighted sum, the worse of two runs.",
@@ -312,7 +332,7 @@ pub const CRITERION: KeySet = KeySet {
         Key::required(
             "value",
             Shape::Expression,
-            "The number. Without `run`: `\"max(slip/1.25e-2, force/1.4e-2)\"`, of names of criteria and the host's parameters.",
+            "The number; of a stable band `width`, `lower` or `upper`, of the widest where there are several. Without `run`: `\"max(slip/1.25e-2, force/1.4e-2)\"`, of names of criteria and the host's parameters.",
         ),
         Key::optional(
             "unit",
@@ -326,8 +346,8 @@ pub const CRITERION: KeySet = KeySet {
         ),
         Key::optional(
             "over",
-            SWEPT,
-            "Values of host parameters at which the criterion is taken: `{ ms = [\"200 kg\", \"350 kg\"] }`; several give every combination. A device is the same at all of them. `take` says which number of these counts.",
+            Shape::AnyOf(&[Shape::Text, SWEPT]),
+            "stable band: the operating parameter for every value of which the equilibrium must be stable: its name, with the range of `[operating]` of the host, or `{ V = [\"5 m/s\", \"80 m/s\"] }`. Else: values of host parameters at which the criterion is taken: `{ ms = [\"200 kg\", \"350 kg\"] }`; several give every combination. A device is the same at all of them. `take` says which number of these counts.",
         ),
         Key::optional(
             "tolerances",

@@ -4,6 +4,7 @@
 //! its `results` are the stable record that is written to `results.json`.
 
 mod amount;
+pub mod band;
 mod built;
 mod candidates;
 mod check;

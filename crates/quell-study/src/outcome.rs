@@ -39,6 +39,8 @@ pub struct TaskOutcome {
     pub name: String,
     /// One entry, or one for each point of the sweep.
     pub points: Vec<PointOutcome>,
+    /// What happens between the points of a sweep.
+    pub events: Vec<crate::results::SweepEvent>,
 }
 
 /// What a task found at one set of parameters.

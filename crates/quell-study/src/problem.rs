@@ -145,6 +145,11 @@ impl DesignProblem {
         })
     }
 
+    /// The objective and the constraints.
+    fn goals(&self) -> impl Iterator<Item = &Goal> {
+        std::iter::once(&self.objective).chain(&self.constraints)
+    }
+
     /// Makes the grids of peaks denser where certificates at `point` find more than they do; false where they find nothing.
     ///
     /// An optimiser drifts to where a grid misses a peak. What `quell run` does against it: search, refine at the best point,
@@ -244,7 +249,7 @@ impl Problem for DesignProblem {
     }
 
     fn constraints(&self) -> usize {
-        self.constraints.len()
+        self.constraints.len() + usize::from(self.evaluator.has_bands())
     }
 
     fn evaluate(
@@ -265,14 +270,20 @@ impl Problem for DesignProblem {
                 .copied()
                 .unwrap_or(f64::NAN)
         };
-        for (goal, out) in self.constraints.iter().zip(constraints) {
+        for (goal, out) in self.constraints.iter().zip(constraints.iter_mut()) {
             *out = goal.excess(value(goal));
+        }
+        if let Some(out) = constraints.get_mut(self.constraints.len()) {
+            *out = Evaluator::nearest_island(&scratch.evaluator);
         }
         self.objective.sense.sign() * value(&self.objective)
     }
 
     fn is_smooth(&self) -> bool {
         self.evaluator.is_in_time()
+            || self
+                .goals()
+                .all(|goal| self.evaluator.is_band(goal.criterion))
     }
 
     fn pieces(
@@ -282,13 +293,10 @@ impl Problem for DesignProblem {
         pieces: &mut Pieces,
         scratch: &mut ProblemScratch,
     ) -> bool {
-        // The larger the better of a peak is no minimax problem.
-        if self.objective.sense == Sense::Maximise
-            || self
-                .constraints
-                .iter()
-                .any(|goal| goal.sense == Sense::Maximise)
-        {
+        // The larger the better of a peak is no minimax problem; a number of a stable band is one piece either way.
+        let unbounded =
+            |goal: &Goal| goal.sense == Sense::Maximise && !self.evaluator.is_band(goal.criterion);
+        if self.goals().any(unbounded) {
             return false;
         }
         self.evaluator
@@ -297,7 +305,7 @@ impl Problem for DesignProblem {
         pieces.clear();
         let objective = self.evaluator.pieces(
             self.objective.criterion,
-            1.0,
+            self.objective.sense.sign(),
             margin,
             &mut scratch.evaluator,
             &mut |value, fill| {
@@ -305,10 +313,11 @@ impl Problem for DesignProblem {
             },
         );
         if !objective {
-            return false;
+            // Where there is no band there are no slopes, but elsewhere there are.
+            return self.evaluator.is_band(self.objective.criterion);
         }
         for (index, goal) in self.constraints.iter().enumerate() {
-            let factor = 1.0 / goal.scale();
+            let factor = goal.sense.sign() / goal.scale();
             let found = self.evaluator.pieces(
                 goal.criterion,
                 factor,
@@ -321,6 +330,13 @@ impl Problem for DesignProblem {
             if !found {
                 return false;
             }
+        }
+        if self.evaluator.has_bands() {
+            let index = self.constraints.len();
+            self.evaluator
+                .islands(&mut scratch.evaluator, &mut |value, fill| {
+                    fill(pieces.push_constraint(index, value));
+                });
         }
         pieces.is_finite()
     }

@@ -74,7 +74,12 @@ fn task_result(task: &TaskOutcome) -> TaskResult {
             points: first.into_iter().chain(points).collect(),
         },
     };
-    TaskResult { kind, status, body }
+    TaskResult {
+        kind,
+        status,
+        events: task.events.clone(),
+        body,
+    }
 }
 
 fn findings(found: &Findings) -> (String, TaskFindings) {

@@ -55,9 +55,30 @@ pub struct TaskResult {
     pub kind: &'static str,
     /// `done`, `infeasible` where no design meets the constraints, or why nothing was found.
     pub status: String,
+    /// What happens between the points of a sweep.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub events: Vec<SweepEvent>,
     /// What the task found; with a sweep, one for each point.
     #[serde(flatten)]
     pub body: TaskBody,
+}
+
+/// Something that happens between two points of a sweep.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepEvent {
+    /// What is swept.
+    pub parameter: String,
+    /// The value at which it happens, SI.
+    pub value: f64,
+    /// The configuration that it happens to.
+    pub configuration: String,
+    /// The criterion.
+    pub criterion: String,
+    /// What happens as the value grows: `island born`, `island gone`, `band closed`, `band opened`,
+    /// `another limit` (another mode takes over an end).
+    pub what: &'static str,
+    /// Where, in words.
+    pub place: String,
 }
 
 /// With or without a sweep.
@@ -205,6 +226,9 @@ pub struct CriterionDetail {
     /// Of a criterion that is taken over parameters or tolerances: of how many points, and at which of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub taken: Option<String>,
+    /// All stable bands, where the value is of one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<crate::band::BandResult>,
     /// `certified`, `computed`, or why there is no number.
     pub status: String,
 }
@@ -218,6 +242,7 @@ impl CriterionDetail {
             at_s: None,
             achieved_tolerance: None,
             taken: None,
+            bands: Vec::new(),
             status: why.to_owned(),
         }
     }

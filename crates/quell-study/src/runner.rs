@@ -3,6 +3,7 @@
 mod branches;
 mod candidate;
 mod design;
+mod events;
 mod front;
 mod recorder;
 mod remarks;
@@ -246,6 +247,7 @@ impl Runner<'_> {
         let units = units.saturating_mul(points.len() as u128);
         self.recorder
             .begin(&task.name, u64::try_from(units).unwrap_or(u64::MAX));
+        let swept = points.clone();
         let points = points
             .into_iter()
             .map(|at| {
@@ -253,7 +255,7 @@ impl Runner<'_> {
                     situation::build(&self.study.host, &self.study.overrides, &at.parameters())?;
                 let (findings, plots) = match &task.kind {
                     TaskKind::Evaluate(configurations) => {
-                        self.evaluate(&situation, configurations)?
+                        self.evaluate(&situation, &at.configurations(configurations))?
                     }
                     TaskKind::Design(design) if !design.further.is_empty() => {
                         self.front(&situation, design)?
@@ -274,6 +276,7 @@ impl Runner<'_> {
         }
         Ok(TaskOutcome {
             name: task.name.clone(),
+            events: self.events(task, &swept)?,
             points,
         })
     }

@@ -265,6 +265,8 @@ pub struct FrequencyRun {
 pub struct Criterion {
     /// Name of the run; none of an expression of other criteria.
     pub run: Option<String>,
+    /// A stable band, which has neither a run nor an expression.
+    pub band: Option<Box<crate::band::BandSpec>>,
     /// What it is: an expression over the run.
     pub value: Expression,
     /// The unit in which people read it.
@@ -503,6 +505,8 @@ pub enum Swept {
     Parameter,
     /// The bound of the task's constraint on a criterion.
     Bound,
+    /// A value that the configurations, or `fixed` of a design, give.
+    Value,
 }
 
 /// One swept parameter or bound.

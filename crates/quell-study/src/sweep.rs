@@ -2,15 +2,19 @@
 
 use std::borrow::Cow;
 
+use indexmap::IndexMap;
 use quell_document::Fault;
 use quell_expression::{Dimension, Quantity};
 use quell_search::Scale;
 
+use crate::amount::Amount;
 use crate::candidates::Candidates;
 use crate::outcome::NamedValue;
 use crate::problem::DesignProblem;
 use crate::situation::{self, Situation};
-use crate::study::{DesignTask, Study, SweepAxis, SweepRange, SweepValues, Swept, Task, TaskKind};
+use crate::study::{
+    ConfigurationSpec, DesignTask, Study, SweepAxis, SweepRange, SweepValues, Swept, Task, TaskKind,
+};
 
 /// The values of the axes at one point of a sweep.
 #[derive(Debug, Clone, Default)]
@@ -35,10 +39,14 @@ impl SweepPoint {
 
     /// The task with the bounds of this point.
     pub(crate) fn design<'a>(&self, design: &'a DesignTask) -> Cow<'a, DesignTask> {
-        if self.of(Swept::Bound).next().is_none() {
+        let mut own = self.of(Swept::Bound).chain(self.of(Swept::Value));
+        if own.next().is_none() {
             return Cow::Borrowed(design);
         }
         let mut design = design.clone();
+        for (name, value) in self.of(Swept::Value) {
+            design.fixed.insert(name.clone(), Amount::si(value.value));
+        }
         for (name, value) in self.of(Swept::Bound) {
             for constraint in &mut design.constraints {
                 if constraint.criterion == *name {
@@ -47,6 +55,41 @@ impl SweepPoint {
             }
         }
         Cow::Owned(design)
+    }
+
+    /// Configurations with the values of this point, where they give them.
+    pub(crate) fn configurations<'a>(
+        &self,
+        configurations: &'a IndexMap<String, ConfigurationSpec>,
+    ) -> Cow<'a, IndexMap<String, ConfigurationSpec>> {
+        if self.of(Swept::Value).next().is_none() {
+            return Cow::Borrowed(configurations);
+        }
+        let mut configurations = configurations.clone();
+        for (name, value) in self.of(Swept::Value) {
+            for spec in configurations.values_mut() {
+                if let Some(entry) = spec.values.get_mut(name) {
+                    *entry = Amount::si(value.value);
+                }
+            }
+        }
+        Cow::Owned(configurations)
+    }
+
+    /// The point with another value of its first axis.
+    pub(crate) fn moved(&self, to: f64) -> Self {
+        let mut point = self.clone();
+        if let Some((_, _, value)) = point.values.first_mut() {
+            value.value = to;
+        }
+        point
+    }
+
+    /// The value of the first axis.
+    pub(crate) fn first(&self) -> Option<(&str, f64)> {
+        self.values
+            .first()
+            .map(|(_, name, quantity)| (name.as_str(), quantity.value))
     }
 
     /// The values in the order of the axes, SI.
@@ -110,6 +153,17 @@ fn axis_dimension(
             index
                 .map(|index| problem.evaluator.dimension(index))
                 .ok_or_else(|| missing("bound"))
+        }
+        (Swept::Value, kind) => {
+            let given = match kind {
+                TaskKind::Design(design) => design.fixed.get(&axis.name),
+                TaskKind::Evaluate(configurations) => configurations
+                    .values()
+                    .find_map(|spec| spec.values.get(&axis.name)),
+                TaskKind::Continuation(_) => None,
+            };
+            let given = given.ok_or_else(|| missing("value"))?;
+            Ok(given.quantity(&standing.parameters)?.dimension)
         }
         _ => parameter_dimension(axis, standing).ok_or_else(|| missing("parameter")),
     }

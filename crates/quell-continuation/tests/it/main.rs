@@ -17,6 +17,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod bands;
 mod codimension;
 mod crossings;
 mod curves;

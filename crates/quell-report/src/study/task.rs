@@ -107,7 +107,9 @@ impl Bridge<'_> {
                 .map(|axis| {
                     let points = axis.values.count();
                     match axis.what {
-                        Swept::Parameter => format!("{points} values of `{}`", axis.name),
+                        Swept::Parameter | Swept::Value => {
+                            format!("{points} values of `{}`", axis.name)
+                        }
                         Swept::Bound => format!("{points} bounds of `{}`", axis.name),
                     }
                 })
@@ -116,6 +118,7 @@ impl Bridge<'_> {
                 .words
                 .push(format!("Swept over {}.", axes.join(" and ")));
         }
+        section.words.extend(super::bands::words(task));
         let first = task.points.first();
         section.references = first.map_or(Vec::new(), |point| {
             self.references(point, design, &section.criteria)
@@ -140,6 +143,7 @@ impl Bridge<'_> {
                 reference.infeasible = false;
             }
             section.plots = self.swept_plots(asked, task);
+            section.plots.extend(super::bands::plots(task));
         } else if let Some(point) = first {
             if let Findings::Continuation(found) = &point.findings {
                 section.kind = super::branches::kind(found);

@@ -206,6 +206,9 @@ impl<'a> Builder<'a> {
                 return self.variable(wanted, bounds);
             }
         }
+        if let Some(value) = self.moved(wanted)? {
+            return Ok(Origin::Moved(value));
+        }
         let parameter = parameters
             .quantity(wanted.name)
             .filter(|_| wanted.in_frame && wanted.element.is_some());
@@ -222,6 +225,30 @@ impl<'a> Builder<'a> {
             .help(format!("give it under `values` of the device: `{} = …`", wanted.name))),
             None => Err(self.nothing_for(wanted)),
         }
+    }
+
+    /// The middle of the range of a stable band that a value is the own parameter of.
+    fn moved(&mut self, wanted: &Wanted<'_>) -> Result<Option<f64>, Fault> {
+        let mut bands = self
+            .study
+            .criteria
+            .values()
+            .filter_map(|criterion| criterion.band.as_deref());
+        let Some((range, of)) = bands
+            .find(|band| band.is_of(&wanted.keys))
+            .and_then(|band| Some((band.range.as_ref()?, band.of.clone())))
+        else {
+            return Ok(None);
+        };
+        let parameters = &self.situation.parameters;
+        let from = range.from.value(parameters, wanted.dimension)?;
+        let to = range.to.value(parameters, wanted.dimension)?;
+        self.used.insert(of);
+        Ok(Some(if from > 0.0 && to > 0.0 {
+            (from * to).sqrt()
+        } else {
+            0.5 * (from + to)
+        }))
     }
 
     /// Neither value nor bounds.

@@ -9,7 +9,7 @@ use quell_model::system::{Batch, Prepared, Slopes, System};
 use super::forcing::Forcing;
 
 /// What gives a system the values of its parameters.
-pub(super) trait Assignment: Sync {
+pub(crate) trait Assignment: Sync {
     /// Number of free parameters.
     fn free(&self) -> usize;
     /// Values of all parameters of the system for values of the free ones.
@@ -22,7 +22,7 @@ pub(super) trait Assignment: Sync {
 ///
 /// Nodes are evaluated in batches. Workspaces are kept in a pool, so that many threads may ask at once; what they give does
 /// not depend on which of them is taken.
-pub(super) struct Field<'s> {
+pub(crate) struct Field<'s> {
     system: &'s System,
     slopes: &'s Slopes,
     assignment: &'s dyn Assignment,
@@ -43,7 +43,7 @@ struct Work<'s> {
 }
 
 impl<'s> Field<'s> {
-    pub(super) const fn new(
+    pub(crate) const fn new(
         system: &'s System,
         slopes: &'s Slopes,
         assignment: &'s dyn Assignment,

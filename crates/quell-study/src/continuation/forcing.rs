@@ -6,7 +6,7 @@ use quell_model::system::System;
 
 /// The period of what forces a system, with its derivatives by the host's parameters.
 #[derive(Debug)]
-pub(super) struct Forcing {
+pub(crate) struct Forcing {
     graph: Graph,
     period: Slot,
     /// ∂T/∂p by parameter of the system, where there is one.

@@ -13,6 +13,7 @@ mod solve;
 mod watch;
 
 pub use ask::{BranchStart, ContinuationTask, Follows, Measure, ParameterRange};
+pub(crate) use field::{Assignment, Field};
 pub use outcome::{
     BranchOutcome, BranchPoint, ContinuationFindings, FreeParameter, MeasureHead, SpecialPoint,
 };

@@ -5,6 +5,7 @@ use quell_expression::Dimension;
 use quell_response::{CertificateStatus, ModeKind, Plan, ResponseError, Scratch};
 
 use super::run::SpectrumTape;
+use crate::band::{BandPlan, BandValue, FoundBands};
 use crate::criteria::{Functional, Modal, Norm, Statistic};
 use crate::linear::{Linear, Output};
 use crate::transient::{Observation, Simulated};
@@ -30,7 +31,7 @@ impl Reading {
     /// Its value for a search; not-a-number where there is none.
     pub(super) fn fast(&self, linear: &Linear<'_>, scratch: &mut Scratch) -> f64 {
         match &self.functional {
-            Functional::Time(_) => f64::NAN,
+            Functional::Time(_) | Functional::Band(..) => f64::NAN,
             Functional::Peak(output) => match (&self.plan, linear) {
                 (Some(plan), Linear::Assembled { values, .. }) => plan.peak(values, scratch).value,
                 _ => self.band.map_or(f64::NAN, |band| {
@@ -69,7 +70,9 @@ impl Reading {
             (value, known)
         };
         match &self.functional {
-            Functional::Time(_) => Known::failed("there is no such run".to_owned()),
+            Functional::Time(_) | Functional::Band(..) => {
+                Known::failed("there is no such run".to_owned())
+            }
             Functional::Peak(output) => {
                 let Some(band) = self.band else {
                     return Known::failed("the run has no band".to_owned());
@@ -178,6 +181,17 @@ pub(super) fn in_time(
             status,
         },
     )
+}
+
+/// A number of a stable band with what is known about it.
+pub(super) fn of_band(plan: &BandPlan, found: &FoundBands, value: BandValue) -> (f64, Known) {
+    let known = Known {
+        omega: None,
+        time: None,
+        tolerance: BandPlan::tolerance(found),
+        status: plan.status(found),
+    };
+    (found.value(value), known)
 }
 
 /// What is known about a number.

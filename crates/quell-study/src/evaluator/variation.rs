@@ -279,6 +279,7 @@ impl Varied {
                 .map(|point| point.detail.achieved_tolerance)
                 .try_fold(0.0, |worst: f64, one| Some(worst.max(one?))),
             taken: Some(taken),
+            bands: Vec::new(),
             status,
         };
         (Certified { value, detail }, missed)

@@ -6,7 +6,7 @@ use indexmap::IndexMap;
 use quell_document::{Fault, Source, Table, Value};
 use quell_expression::{Dimension, NoNames, Scope, Span, Unit};
 
-use super::{check_name, named_tables, resolve, sweep};
+use super::{band, check_name, named_tables, resolve, sweep};
 use crate::amount::Amount;
 use crate::combination;
 use crate::criteria::Modal;
@@ -38,7 +38,9 @@ pub(super) fn criteria(
         entry.check(&keys::CRITERION)?;
         let expression = entry.require("value")?;
         let run = entry.get("run");
+        let band = band::read(&entry, &expression)?;
         match &run {
+            _ if band.is_some() => {}
             Some(run) => {
                 resolve(run, "run", runs.keys().map(String::as_str))?;
             }
@@ -73,6 +75,7 @@ pub(super) fn criteria(
         criteria.insert(
             name.to_owned(),
             Criterion {
+                band: band.map(Box::new),
                 run: run.map(|run| run.as_str().map(str::to_owned)).transpose()?,
                 value: expression.expression()?,
                 unit,
@@ -114,7 +117,9 @@ fn variation(
     standing: &Situation,
     source: &Arc<Source>,
 ) -> Result<Option<Variation>, Fault> {
-    let over = match entry.get("over") {
+    // Of a stable band `over` is the operating parameter.
+    let own = entry.get("kind").is_none();
+    let over = match entry.get("over").filter(|_| own) {
         Some(value) => {
             let names = standing.parameters.names();
             let axes = sweep::parameter_axes(&value, &names, source)?;
@@ -133,6 +138,7 @@ fn variation(
         .transpose()?;
     let span = ["over", "tolerances"]
         .iter()
+        .filter(|key| own || **key != "over")
         .find_map(|key| entry.key_span(key));
     let Some(span) = span else {
         return match entry.get("take") {

@@ -1,5 +1,6 @@
 //! From a study file to a [`Study`]: keys checked, names resolved, layouts parsed; every fault at its place.
 
+mod band;
 mod continuation;
 mod criteria;
 mod devices;
@@ -63,10 +64,11 @@ impl Study {
             root.get("components"),
         )?;
         let components = devices::component_layouts(components, &kinds)?;
-        // Whoever only follows branches may do without these.
+        // Whoever only follows branches may do without these; stable bands need neither runs nor, of a host that has none, devices.
+        let bands = band::alone(&root);
         let free = continuation::alone(&root);
         let section = |key: &str| match root.get(key) {
-            None if free => Ok(None),
+            None if free || (bands && key != "criteria") => Ok(None),
             None => {
                 let known = keys::STUDY.keys.iter().find(|known| known.name == key);
                 let words = known.map_or("", |known| known.documentation);

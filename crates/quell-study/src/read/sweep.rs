@@ -109,7 +109,15 @@ fn swept(
         .iter()
         .filter(|constraint| constraint.criterion == name)
         .count();
+    let given = match kind {
+        TaskKind::Design(design) => design.fixed.contains_key(name),
+        TaskKind::Evaluate(configurations) => configurations
+            .values()
+            .any(|spec| spec.values.contains_key(name)),
+        TaskKind::Continuation(_) => false,
+    };
     match (parameters.contains(&name), bounds) {
+        (false, 0) if given => Ok(Swept::Value),
         (true, 0) => Ok(Swept::Parameter),
         (false, 1) => Ok(Swept::Bound),
         (true, _) => Err(fault(format!(

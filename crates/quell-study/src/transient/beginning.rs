@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use indexmap::IndexMap;
 use quell_document::Fault;
 use quell_expression::nearest;
 use quell_model::EquationHost;
 
+use crate::amount::Amount;
 use crate::situation::Situation;
 use crate::study::{Run, StartAt, Study};
 
@@ -25,6 +27,19 @@ pub(crate) fn beginning(
     let StartAt::States(states) = &run.start else {
         return Ok(Arc::clone(host));
     };
+    begun(study, situation, host, states)
+}
+
+/// The host with other values where it begins, by the names of coordinates, rates and states.
+///
+/// # Errors
+/// As [`beginning`].
+pub(crate) fn begun(
+    study: &Study,
+    situation: &Situation,
+    host: &Arc<EquationHost>,
+    states: &IndexMap<String, Amount>,
+) -> Result<Arc<EquationHost>, Fault> {
     let known = host.beginnings();
     let mut begun = EquationHost::clone(host);
     for (name, amount) in states {

@@ -8,7 +8,7 @@ mod observation;
 mod observe;
 mod plan;
 
-pub(crate) use beginning::beginning;
+pub(crate) use beginning::{beginning, begun};
 pub(crate) use excitation::excitations;
 pub(crate) use history::History;
 pub(crate) use observation::Observation;

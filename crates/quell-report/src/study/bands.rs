@@ -1,0 +1,137 @@
+//! Stable bands: what limits each and what was tested, and their edges over a sweep.
+
+use quell_study::band::BandResult;
+use quell_study::{Evaluated, TaskOutcome};
+
+use super::problem::evaluated;
+use crate::number::significant;
+use crate::plot::{Axis, Plot, Role, Series};
+
+/// Digits of an edge.
+const DIGITS: usize = 6;
+
+/// The bands of a configuration or design in words.
+fn of(one: &Evaluated) -> Vec<String> {
+    let mut words = Vec::new();
+    for (criterion, detail) in &one.details {
+        for band in &detail.bands {
+            let unit = &detail.unit;
+            let [below, above] = &band.limited_by;
+            words.push(format!(
+                "`{}`, `{criterion}`: stable from {} to {} {unit}, {} {unit} wide; below ends {below}, above {above}.",
+                one.name,
+                significant(band.lower, DIGITS),
+                significant(band.upper, DIGITS),
+                significant(band.upper - band.lower, DIGITS),
+            ));
+            words.extend(band.near.iter().map(|near| format!("Near: {near}.")));
+            words.push(format!("Tested, not proven: {}.", band.checks.join("; ")));
+        }
+    }
+    words
+}
+
+/// The bands of a task in words.
+pub(super) fn words(task: &TaskOutcome) -> Vec<String> {
+    let Some(first) = task.points.first() else {
+        return Vec::new();
+    };
+    let mut words: Vec<String> = if task.points.len() == 1 {
+        evaluated(&first.findings).flat_map(of).collect()
+    } else {
+        Vec::new()
+    };
+    for event in &task.events {
+        words.push(format!(
+            "{} = {}: {} ({}, {}).",
+            event.parameter,
+            significant(event.value, DIGITS),
+            event.what,
+            event.configuration,
+            event.place
+        ));
+    }
+    words
+}
+
+/// Edges of bands over the first swept parameter, a picture for each criterion.
+pub(super) fn plots(task: &TaskOutcome) -> Vec<Plot> {
+    let Some(first) = task.points.first().filter(|_| task.points.len() > 1) else {
+        return Vec::new();
+    };
+    let Some(axis) = first.at.first() else {
+        return Vec::new();
+    };
+    let Some(one) = evaluated(&first.findings).next() else {
+        return Vec::new();
+    };
+    let criteria = one.details.iter().filter(|(name, _)| {
+        task.points.iter().any(|point| {
+            evaluated(&point.findings).any(|one| {
+                let detail = one.details.get(*name);
+                detail.is_some_and(|detail| !detail.bands.is_empty())
+            })
+        })
+    });
+    criteria
+        .map(|(name, detail)| Plot {
+            caption: format!(
+                "Stable bands (`{name}`) over `{}`: each pair of curves is the lower and the upper end of a band.",
+                axis.name
+            ),
+            x: Axis {
+                label: axis.name.clone(),
+                unit: axis.unit.clone(),
+                logarithmic: false,
+            },
+            y: Axis {
+                label: name.clone(),
+                unit: detail.unit.clone(),
+                logarithmic: false,
+            },
+            series: series(task, name),
+            limits: Vec::new(),
+        })
+        .collect()
+}
+
+/// The ends of the first, second … band of the best design or the first configuration at every point.
+fn series(task: &TaskOutcome, criterion: &str) -> Vec<Series> {
+    let bands = |index: usize| -> Vec<BandResult> {
+        let findings = task.points.get(index).map(|point| &point.findings);
+        let one = findings.and_then(|findings| evaluated(findings).next());
+        one.and_then(|one| one.details.get(criterion))
+            .map_or_else(Vec::new, |detail| detail.bands.clone())
+    };
+    let all: Vec<Vec<BandResult>> = (0..task.points.len()).map(bands).collect();
+    let most = all.iter().map(Vec::len).max().unwrap_or(0);
+    let mut series = Vec::new();
+    for band in 0..most {
+        for (side, name) in [(0, "lower"), (1, "upper")] {
+            let points = task
+                .points
+                .iter()
+                .zip(&all)
+                .map(|(point, bands)| {
+                    let x = point.at.first().map_or(f64::NAN, |at| at.value);
+                    let y = bands.get(band).map_or(f64::NAN, |band| {
+                        if side == 0 { band.lower } else { band.upper }
+                    });
+                    (x, y)
+                })
+                .collect();
+            series.push(Series {
+                name: if most > 1 {
+                    format!("{name} end, band {}", band + 1)
+                } else {
+                    format!("{name} end")
+                },
+                role: Role::Design,
+                points,
+                markers: true,
+                ..Series::default()
+            });
+        }
+    }
+    series
+}

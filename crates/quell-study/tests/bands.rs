@@ -1,0 +1,184 @@
+//! Stable bands of the gallery against figures that are known otherwise.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a failed test ends by panic"
+)]
+
+use std::path::{Path, PathBuf};
+
+use quell_document::Source;
+use quell_study::results::{ConfigurationResult, Results, TaskBody, TaskFindings};
+use quell_study::{RunSettings, Silent, Study};
+
+fn gallery(name: &str) -> Study {
+    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../studies")
+        .join(name);
+    Study::read(&path).unwrap_or_else(|fault| panic!("{}", fault.render()))
+}
+
+fn run(study: &Study, tasks: &[&str]) -> Results {
+    let settings = RunSettings {
+        seed: 1,
+        threads: Some(2),
+        tasks: tasks.iter().map(|task| (*task).to_owned()).collect(),
+    };
+    quell_study::run(study, &settings, &Silent)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .results
+}
+
+fn configuration<'a>(results: &'a Results, task: &str) -> &'a ConfigurationResult {
+    match &results.tasks[task].body {
+        TaskBody::Single(TaskFindings::Evaluate { configurations }) => &configurations[task],
+        other => panic!("{task}: {other:?}"),
+    }
+}
+
+/// Y. Li's doctoral thesis on the optimal design of passive vibration suppressors with inerters, chapter 5, recomputed with AUTO-07p:
+/// extrema of Hopf curves over speed. Tolerances: those of the recomputation, 0.1 of cd (0.2 and 20 where it had digits for no
+/// more).
+#[test]
+fn bands_of_the_landing_gear() {
+    let study = gallery("zero-shimmy.toml");
+    let results = run(&study, &["L1", "L2", "LI1", "LI2"]);
+    let expected = [
+        ("L1", 2754.35, 3018.98, 0.1),
+        ("L2", 3813.91, 14032.51, 0.1),
+        ("LI1", 2319.48, 13562.68, 0.2),
+        ("LI2", 3060.6, 22148.1, 20.0),
+    ];
+    for (task, lower, upper, tolerance) in expected {
+        let found = configuration(&results, task);
+        let detail = &found.details["band"];
+        let widest = detail
+            .bands
+            .iter()
+            .max_by(|a, b| (a.upper - a.lower).total_cmp(&(b.upper - b.lower)))
+            .unwrap_or_else(|| panic!("{task}: {detail:?}"));
+        assert!(
+            (widest.lower - lower).abs() < tolerance,
+            "{task}: {detail:?}"
+        );
+        assert!(
+            (widest.upper - upper).abs() < tolerance,
+            "{task}: {detail:?}"
+        );
+        assert_eq!(
+            found.criteria["band"].to_bits(),
+            (widest.upper - widest.lower).to_bits()
+        );
+        println!("{task}: {detail:#?}");
+    }
+    let l1 = &configuration(&results, "L1").details["band"].bands[0];
+    assert!((l1.lower_at.unwrap() - 10.79).abs() < 0.01, "{l1:?}");
+    assert!((l1.upper_at.unwrap() - 36.05).abs() < 0.01, "{l1:?}");
+    let l2 = &configuration(&results, "L2").details["band"].bands[0];
+    assert!((l2.lower_at.unwrap() - 11.63).abs() < 0.01, "{l2:?}");
+    assert!((l2.upper_at.unwrap() - 18.15).abs() < 0.01, "{l2:?}");
+}
+
+/// The widths that the thesis gives for its best devices: the design must not be narrower. Printed: how long it took and how many
+/// evaluations.
+#[test]
+fn designs_are_at_least_as_wide() {
+    let study = gallery("zero-shimmy.toml");
+    for (task, width) in [
+        ("design L2", 14032.51 - 3813.91),
+        ("design LI1", 11243.2),
+        ("design LI2", 19087.0),
+    ] {
+        let began = std::time::Instant::now();
+        let results = run(&study, &[task]);
+        let TaskBody::Single(TaskFindings::Design { designs, .. }) = &results.tasks[task].body
+        else {
+            panic!("{task}");
+        };
+        let best = &designs[0];
+        println!("{task}: {:.2} s {best:#?}", began.elapsed().as_secs_f64());
+        assert!(best.objective >= width, "{task}: {}", best.objective);
+        assert!(!best.details["band"].bands.is_empty());
+    }
+}
+
+/// Typical section with unsteady aerodynamics: AUTO-07p (EPSL = EPSU = 1e-9) has the subcritical Hopf point at U = 17.957264996 and
+/// the fold of its cycles at U = 14.660123947; beyond the fold a stable cycle coexists with rest. Tolerance of special points there:
+/// 1e-6 relative.
+#[test]
+fn stable_cycles_end_a_band() {
+    const FOLD: f64 = 14.660_123_947;
+    let study = gallery("aeroelastic-section.toml");
+    let results = run(&study, &["free speeds"]);
+    let TaskBody::Single(TaskFindings::Evaluate { configurations }) =
+        &results.tasks["free speeds"].body
+    else {
+        panic!("no evaluation");
+    };
+    let found = &configurations["section"];
+    println!("{:#?}", found.details);
+    let band = &found.details["free"].bands[0];
+    assert!((band.upper / FOLD - 1.0).abs() < 1e-6, "{band:#?}");
+    assert!(band.limited_by[1].contains("fold of cycles"), "{band:#?}");
+    assert_eq!(band.lower, 4.0);
+    assert_eq!(found.criteria["free"].to_bits(), band.upper.to_bits());
+    // Two ways to one point: with the damping at which the curve of folds reaches 20 m/s, the band of speeds ends there. The
+    // extremum of the curve lies at the end of its range, where it is met to the tolerance of the corrector.
+    let damping = found.details["damping"].bands[0].lower;
+    assert!(damping > 0.5628, "{:#?}", found.details["damping"]);
+    let mut text = study.source.text.clone();
+    text.insert_str(
+        text.find("[criteria.free]").unwrap(),
+        &format!("[parameters]\nc_a = {damping:.12}\n\n"),
+    );
+    let source = Source::new("again.toml".to_owned(), text);
+    let again = Study::parse(source, &study.folder).unwrap();
+    let results = run(&again, &["free speeds"]);
+    let TaskBody::Single(TaskFindings::Evaluate { configurations }) =
+        &results.tasks["free speeds"].body
+    else {
+        panic!("no evaluation");
+    };
+    let speed = configurations["section"].criteria["free"];
+    assert!((speed / 20.0 - 1.0).abs() < 1e-6, "{speed} at {damping}");
+}
+
+/// The same source: bending splits the band at ks = 7.865e5 N m/rad, and it closes at 4.7371e5.
+#[test]
+fn events_of_a_sweep_are_located() {
+    let study = gallery("zero-shimmy.toml");
+    let results = run(&study, &["L2 over ks"]);
+    let events = &results.tasks["L2 over ks"].events;
+    println!("{events:#?}");
+    let of = |what: &str| -> Vec<f64> {
+        let own = events.iter().filter(|event| event.what == what);
+        own.map(|event| event.value).collect()
+    };
+    let (opened, born) = (of("band opened"), of("island born"));
+    assert_eq!((opened.len(), born.len()), (1, 1), "{events:#?}");
+    assert!((opened[0] - 4.7371e5).abs() < 50.0, "{events:#?}");
+    assert!((born[0] - 7.865e5).abs() < 200.0, "{events:#?}");
+}
+
+/// The same source: widths with the best spring of each inerter. Tolerance 5 of the source's grid of springs.
+#[test]
+fn best_springs_over_inerters() {
+    let study = gallery("zero-shimmy.toml");
+    let results = run(&study, &["LI1 over b"]);
+    let TaskBody::Sweep { points } = &results.tasks["LI1 over b"].body else {
+        panic!("no sweep");
+    };
+    for (point, width) in points.iter().zip([10976.0, 11172.0, 11243.0, 10680.0]) {
+        let TaskFindings::Design { designs, .. } = &point.findings else {
+            panic!("no design");
+        };
+        let best = &designs[0];
+        println!("{:?}: {} {:?}", point.at, best.objective, best.devices);
+        assert!(
+            (best.objective - width).abs() < 5.0,
+            "{width}: {}",
+            best.objective
+        );
+    }
+}
