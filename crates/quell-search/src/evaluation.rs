@@ -164,7 +164,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             .iter()
             .zip(&self.relief)
             .fold(0.0_f64, |worst, (&c, &relief)| {
-                worst.max(self.relieved(c, relief))
+                worst.max(self.violated(c, relief))
             });
         Value {
             objective,
@@ -172,15 +172,15 @@ impl<'a, P: Problem> Evaluator<'a, P> {
         }
     }
 
-    /// A constraint as the search weighs it, and by what its slope is divided.
+    /// A constraint as it is weighed where points are compared; steps see it divided by its relief on both sides of its edge.
     ///
     /// A bound near zero, `regrowth <= 1e-9` say, makes violations of 1e7 of everyday values: no other constraint would
     /// count beside it, no penalty would fit, and the slack of a whole bound on the feasible side would make differences
     /// across its edge steep. What is feasible stays so.
-    fn relieved(&self, constraint: f64, relief: f64) -> f64 {
+    fn violated(&self, constraint: f64, relief: f64) -> f64 {
         let allowed = 0.01 * self.settings.feasibility;
-        if relief > 1.0 {
-            allowed + (constraint - allowed) / relief
+        if constraint > allowed && relief > 1.0 {
+            allowed + constraint / relief
         } else {
             constraint
         }
@@ -295,7 +295,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
         }
         for (index, value, gradient) in self.raw.iter_constraints() {
             let relief = self.relief.get(index).copied().unwrap_or(1.0);
-            let target = pieces.push_constraint(index, self.relieved(value, relief));
+            let target = pieces.push_constraint(index, value / relief);
             scale(target, gradient, &self.point);
             for entry in target {
                 *entry /= relief;
@@ -361,7 +361,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             self.constraints
                 .iter()
                 .zip(&self.relief)
-                .map(|(&c, &relief)| self.relieved(c, relief)),
+                .map(|(&c, &relief)| c / relief),
         );
         values
     }
