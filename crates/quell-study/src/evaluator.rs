@@ -546,12 +546,15 @@ impl Evaluator {
         }
     }
 
-    /// Whether all that is read are numbers of runs in time.
-    pub(crate) fn is_in_time(&self) -> bool {
-        self.readings
-            .iter()
-            .all(|reading| matches!(reading.functional, Functional::Time(_)))
-            && self.varied.iter().all(Varied::is_in_time)
+    /// Whether everything that is read is smooth in the values but for jumps here and there: numbers of runs in time, norms, the
+    /// response at one frequency. Peaks and statistics of modes have kinks where they are best.
+    pub(crate) fn is_smooth(&self) -> bool {
+        self.readings.iter().all(|reading| {
+            matches!(
+                reading.functional,
+                Functional::Time(_) | Functional::Norm(..) | Functional::Magnitude(..)
+            )
+        }) && self.varied.iter().all(Varied::is_smooth)
     }
 
     /// Lets the runs in time run: beyond their ends where a criterion looks there, or where `beyond` asks for it.

@@ -280,7 +280,7 @@ impl Problem for DesignProblem {
     }
 
     fn is_smooth(&self) -> bool {
-        self.evaluator.is_in_time()
+        self.evaluator.is_smooth()
             || self
                 .goals()
                 .all(|goal| self.evaluator.is_band(goal.criterion))

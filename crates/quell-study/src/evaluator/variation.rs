@@ -150,8 +150,8 @@ impl Varied {
         }
     }
 
-    pub(super) fn is_in_time(&self) -> bool {
-        self.places.iter().all(|place| place.evaluator.is_in_time())
+    pub(super) fn is_smooth(&self) -> bool {
+        self.places.iter().all(|place| place.evaluator.is_smooth())
     }
 
     /// As [`Evaluator::pieces`]: those of every point that comes near the largest.
