@@ -146,6 +146,10 @@ impl Problem for Counted<'_> {
         self.problem.constraints()
     }
 
+    fn is_smooth(&self) -> bool {
+        self.problem.is_smooth()
+    }
+
     fn evaluate(&self, point: &[f64], constraints: &mut [f64], scratch: &mut Self::Scratch) -> f64 {
         let value = self.problem.evaluate(point, constraints, scratch);
         let mut tally = self.state.lock().unwrap();
