@@ -4,8 +4,9 @@ use quell_continuation::Peak;
 use quell_document::Fault;
 use quell_expression::{Dimension, Expression, TapeBuilder};
 
+use super::compile::refuse_unit;
 use super::reading::Reading;
-use super::{Evaluator, EvaluatorScratch, Inputs, Program, Push, refuse_unit};
+use super::{Evaluator, EvaluatorScratch, Inputs, Program, Push};
 use crate::band::{BandPlan, BandResult, BandSpec, BandValue, FoundBands};
 use crate::built::{Built, ValueScratch};
 use crate::criteria::{Functional, RunKind, functional_name};
