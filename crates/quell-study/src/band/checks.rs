@@ -347,6 +347,11 @@ impl Look<'_> {
                 [p, q, ..] => Some((*p, *q)),
                 _ => None,
             })
+            // The last step may end beyond the range.
+            .filter(|(_, q)| {
+                let across = 1e-9 * (free.span.to - free.span.from);
+                *q >= free.span.from - across && *q <= free.span.to + across
+            })
             .collect();
         let best = (0..points.len())
             .max_by(|a, b| (inwards * points[*a].0).total_cmp(&(inwards * points[*b].0)))?;
