@@ -186,7 +186,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
         }
     }
 
-    /// Weighs constraints by a sample of the box: one that is missed by over ten times its bound at half of the points that
+    /// Weighs constraints by a sample of the box: one that is missed by over a thousand times its bound at half of the points that
     /// miss it is divided by ten times that. Gives the sample anew, with the best point among it.
     pub(crate) fn relieve(&mut self, sample: &mut [Sampled<'_>]) {
         for j in 0..self.relief.len() {
@@ -197,7 +197,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
                 .collect();
             missed.sort_by(f64::total_cmp);
             if let Some(&median) = missed.get(missed.len() / 2)
-                && median > 10.0
+                && median > 1000.0
             {
                 // A tenth of the bound is what a sample misses everyday constraints by.
                 self.relief[j] = 10.0 * median;
