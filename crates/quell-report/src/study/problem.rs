@@ -102,9 +102,16 @@ impl Bridge<'_> {
             .iter()
             .map(|(name, criterion)| CriterionRow {
                 name: name.clone(),
-                meaning: match &criterion.run {
-                    Some(run) => format!("{}, run `{run}`", self.meaning(criterion)),
-                    None => format!("{}, of other criteria", self.meaning(criterion)),
+                meaning: match (&criterion.band, &criterion.run) {
+                    (Some(band), _) => {
+                        let over = band.over.as_ref();
+                        let over =
+                            over.map_or_else(String::new, |over| format!(" over {}", over.name));
+                        let meaning = self.meaning(criterion);
+                        format!("{meaning} of the stable band of {}{over}", band.of)
+                    }
+                    (None, Some(run)) => format!("{}, run `{run}`", self.meaning(criterion)),
+                    (None, None) => format!("{}, of other criteria", self.meaning(criterion)),
                 },
                 unit: super::shown_unit(self.study, name, &si_unit(outcome, name))
                     .1
