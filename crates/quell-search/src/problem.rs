@@ -24,6 +24,10 @@ pub trait Problem: Sync {
     /// The objective at `point`; `constraints[j]` is set to `(value - bound) / scale`, feasible when at most
     /// [`Settings::feasibility`](crate::Settings::feasibility).
     ///
+    /// A constraint that the first sample of a start misses by more than a thousand times its scale (a bound near zero, so that
+    /// the scale is small) is weighed down where points are compared, by ten times the median of what that sample misses it by;
+    /// what is feasible is not changed by it.
+    ///
     /// An objective or constraint that is not finite is a failed evaluation, which is never chosen.
     fn evaluate(&self, point: &[f64], constraints: &mut [f64], scratch: &mut Self::Scratch) -> f64;
 

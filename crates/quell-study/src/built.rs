@@ -24,7 +24,7 @@ use crate::study::{Bounds, DesignTask, Study};
 
 pub(crate) use assign::range;
 pub(crate) use attach::component_fault;
-pub(crate) use moved::Places;
+pub(crate) use moved::{Moved, Places};
 
 use assign::Builder;
 use attach::{Attachment, assembly};

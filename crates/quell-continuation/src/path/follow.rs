@@ -226,24 +226,25 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
         let mut bound = None;
         for (k, index) in parameters.iter().enumerate() {
             let (low, high) = settings.range(k);
-            let beyond = if b.z[*index] > high && a.z[*index] <= high {
-                Some(high)
-            } else if b.z[*index] < low && a.z[*index] >= low {
-                Some(low)
-            } else if b.z[*index] > high || b.z[*index] < low {
-                bound = Some(k);
-                None
+            let at = a.z[*index];
+            let (value, before) = if b.z[*index] > high {
+                (high, high - at)
+            } else if b.z[*index] < low {
+                (low, at - low)
             } else {
-                None
+                continue;
             };
-            if let Some(value) = beyond {
-                if let Ok(node) = at_parameter(&mut corrector, m, &a, &b, *index, value, &row) {
-                    b = node;
-                }
-                current = false;
-                bound = Some(k);
-                break;
+            // From the bound itself, or from beyond it, there is no way outwards.
+            if before <= ON_BOUND * settings.parameter_scale(k, value) {
+                trace.stop = Stop::Bound(k);
+                return trace;
             }
+            if let Ok(node) = at_parameter(&mut corrector, m, &a, &b, *index, value, &row) {
+                b = node;
+            }
+            current = false;
+            bound = Some(k);
+            break;
         }
         for value in &settings.at {
             let index = parameters[0];
@@ -369,6 +370,9 @@ fn at_parameter<M: Manifold>(
     z[index] = value;
     corrector.node(m, z, along)
 }
+
+/// Distance from a bound, over the scale of its parameter, within which a point lies on it.
+const ON_BOUND: f64 = 1e-12;
 
 /// Whether the step from a to b passes the start in the direction of the start.
 fn closed<M: Manifold>(m: &M, first: &Node, a: &Node, b: &Node) -> bool {

@@ -52,6 +52,32 @@ fn s1_flutter() {
     assert_eq!(b.stop[1], Stop::Bound(0));
 }
 
+/// A branch that starts on an end of its range, or beyond it by rounding, has no point outside; one that starts on an end goes
+/// across the whole range, in one step too.
+#[test]
+fn ranges_hold_from_their_ends() {
+    let problem = Exact::<_, 6>(Section);
+    for start in [30.0, 30.0 + 4e-15, 4.0] {
+        for step in [0.1, 100.0] {
+            let mut settings = Settings::new(&[(4.0, 30.0)]);
+            settings.initial_step = step;
+            settings.maximum_step = settings.maximum_step.max(step);
+            let b = equilibria(&problem, &[0.0; 6], &[start, 5006.7], 0, &settings).unwrap();
+            let speeds: Vec<f64> = b.points.iter().map(|p| p.solution.parameters[0]).collect();
+            assert!(
+                speeds
+                    .iter()
+                    .all(|u| (4.0 - 1e-12..=30.0 + 1e-12).contains(u)),
+                "{speeds:?}"
+            );
+            assert_eq!(b.stop, [Stop::Bound(0); 2]);
+            let across = speeds.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+                - speeds.iter().copied().fold(f64::INFINITY, f64::min);
+            close(across, 26.0, 1e-12);
+        }
+    }
+}
+
 #[test]
 fn s2_optimal_absorber_is_a_hopf_hopf_point() {
     let problem = Exact::<_, 4>(Absorber);

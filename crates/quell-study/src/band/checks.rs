@@ -7,10 +7,8 @@ use quell_continuation::{
 use quell_response::transient::{End, simulate};
 
 use super::plan::{BandPlan, FoundBands};
-use super::rest::Entry;
-use crate::built::{Built, Places, ValueScratch};
-use crate::continuation::{Assignment, Field};
-use crate::transient::{Source, parameters};
+use crate::built::{Built, ValueScratch};
+use crate::continuation::{Field, Moving};
 
 /// What was tested of a band.
 #[derive(Debug, Clone, Default)]
@@ -52,8 +50,10 @@ const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Tests all bands, and cuts off where stable cycles exist.
 pub(super) fn test(plan: &BandPlan, built: &Built, values: &ValueScratch, found: &mut FoundBands) {
-    let moving = Moving::new(plan, built, values);
-    let slopes = plan.system.slopes(&moving.slopes);
+    let entries = std::iter::once(&plan.p).chain(&plan.q);
+    let entries = entries.map(|free| free.entry.clone()).collect();
+    let moving = Moving::new(built, values.clone(), plan.sources.clone(), entries);
+    let slopes = plan.system.slopes(moving.slopes());
     let field = Field::new(&plan.system, &slopes, &moving, None);
     let widest = found.bands.widest().copied();
     let mut kept = Vec::new();
@@ -97,97 +97,6 @@ pub(super) fn test(plan: &BandPlan, built: &Built, values: &ValueScratch, found:
     }
     found.bands.bands = kept.iter().map(|(band, _)| *band).collect();
     found.tests = kept.into_iter().map(|(_, tests)| tests).collect();
-}
-
-/// The values of the system's parameters as functions of the band's own and the operating parameter.
-struct Moving<'a> {
-    built: &'a Built,
-    values: &'a ValueScratch,
-    sources: &'a [Source],
-    entries: Vec<&'a Entry>,
-    /// Places in the slopes by parameter of the system.
-    slopes: Vec<usize>,
-}
-
-impl<'a> Moving<'a> {
-    fn new(plan: &'a BandPlan, built: &'a Built, values: &'a ValueScratch) -> Self {
-        let entries: Vec<&Entry> = std::iter::once(&plan.p)
-            .chain(&plan.q)
-            .map(|free| &free.entry)
-            .collect();
-        let mut slopes = Vec::new();
-        for entry in &entries {
-            let elements = built.changed_elements(&entry.places);
-            let laws = entry.places.laws();
-            for (parameter, source) in plan.sources.iter().enumerate() {
-                let moves = match source {
-                    Source::Host(_) => entry.host == Some(parameter),
-                    Source::Element(place) => elements.contains(place),
-                    Source::Law(place) => laws.contains(place),
-                };
-                if moves && !slopes.contains(&parameter) {
-                    slopes.push(parameter);
-                }
-            }
-        }
-        Self {
-            built,
-            values,
-            sources: &plan.sources,
-            entries,
-            slopes,
-        }
-    }
-
-    fn moves(&self, free: &[f64]) -> Vec<(&'a Places, f64)> {
-        let entries = self.entries.iter().map(|entry| &entry.places);
-        entries.zip(free.iter().copied()).collect()
-    }
-}
-
-impl Assignment for Moving<'_> {
-    fn free(&self) -> usize {
-        self.entries.len()
-    }
-
-    fn values(&self, free: &[f64]) -> Vec<f64> {
-        let moved = self.built.moved_at(self.values, &self.moves(free));
-        let mut values = parameters(self.sources, &moved.mechanical, &moved.laws);
-        for (entry, value) in self.entries.iter().zip(free) {
-            if let Some(target) = entry.host.and_then(|index| values.get_mut(index)) {
-                *target = *value;
-            }
-        }
-        values
-    }
-
-    fn weights(&self, free: &[f64]) -> Vec<Vec<(usize, f64)>> {
-        let moved = self.built.moved_at(self.values, &self.moves(free));
-        let place = |parameter: usize| self.slopes.iter().position(|known| *known == parameter);
-        self.entries
-            .iter()
-            .zip(&moved.elements)
-            .map(|(entry, elements)| {
-                let laws = entry.places.laws();
-                let mut found = Vec::new();
-                for (parameter, source) in self.sources.iter().enumerate() {
-                    let weight = match source {
-                        Source::Host(_) => f64::from(u8::from(entry.host == Some(parameter))),
-                        Source::Element(element) => elements
-                            .iter()
-                            .filter(|(known, _)| known == element)
-                            .map(|(_, derivative)| derivative)
-                            .sum(),
-                        Source::Law(law) => f64::from(u8::from(laws.contains(law))),
-                    };
-                    if let Some(place) = place(parameter).filter(|_| weight != 0.0) {
-                        found.push((place, weight));
-                    }
-                }
-                found
-            })
-            .collect()
-    }
 }
 
 /// A look at what begins at the ends of a band.
@@ -346,11 +255,6 @@ impl Look<'_> {
             .filter_map(|point| match point.solution.orbit.parameters.as_slice() {
                 [p, q, ..] => Some((*p, *q)),
                 _ => None,
-            })
-            // The last step may end beyond the range.
-            .filter(|(_, q)| {
-                let across = 1e-9 * (free.span.to - free.span.from);
-                *q >= free.span.from - across && *q <= free.span.to + across
             })
             .collect();
         let best = (0..points.len())

@@ -3,17 +3,9 @@
 use quell_continuation::Linearisation;
 use quell_model::system::{EquilibriumStatus, Prepared};
 
-use crate::built::{Built, Places, ValueScratch};
+use crate::built::{Built, ValueScratch};
+use crate::continuation::Entry;
 use crate::transient::{Source, parameters};
-
-/// Where a parameter enters the system.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Entry {
-    /// Index among the parameters of the system, for one of the host.
-    pub(super) host: Option<usize>,
-    /// Values of devices.
-    pub(super) places: Places,
-}
 
 /// Largest part of q's range that the equilibrium is followed in one step, and the smallest.
 const STRIDE: f64 = 1.0 / 32.0;

@@ -155,19 +155,7 @@ impl Built {
                 *entry = value;
             }
         }
-        for attachment in &self.attachments {
-            let variables = scratch
-                .all
-                .get(attachment.variables.clone())
-                .unwrap_or_default();
-            let values = scratch
-                .mechanical
-                .get_mut(attachment.elements.clone())
-                .unwrap_or_default();
-            attachment
-                .expansion
-                .values(variables, &mut scratch.workspace, values);
-        }
+        self.expand(scratch);
     }
 
     /// The value that is given at the first of some places.
@@ -204,23 +192,10 @@ impl Built {
         found
     }
 
-    /// All values with others in some places.
-    pub(crate) fn moved(&self, moves: &[(&Places, f64)]) -> Moved {
-        let given = |origin: &Origin| match origin {
-            Origin::Given(value) | Origin::Moved(value) => *value,
-            Origin::Searched(_) => f64::NAN,
-        };
-        let all: Vec<f64> = self.origins.iter().map(given).collect();
-        let laws = self.laws.iter().map(|law| given(&law.origin)).collect();
-        self.moved_from(all, laws, moves)
-    }
-
-    /// As [`Self::moved`], from the values of a point that [`Built::values`] has spread.
-    pub(crate) fn moved_at(&self, values: &ValueScratch, moves: &[(&Places, f64)]) -> Moved {
-        self.moved_from(values.all.clone(), values.laws.clone(), moves)
-    }
-
-    fn moved_from(&self, mut all: Vec<f64>, laws: Vec<f64>, moves: &[(&Places, f64)]) -> Moved {
+    /// All values with others in some places, from those that [`Built::values`] has spread.
+    pub(crate) fn moved(&self, values: &ValueScratch, moves: &[(&Places, f64)]) -> Moved {
+        let mut all = values.all.clone();
+        let laws = values.laws.clone();
         let mut out = Moved {
             mechanical: vec![f64::NAN; self.element_count()],
             laws,

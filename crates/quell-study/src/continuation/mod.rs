@@ -5,6 +5,7 @@ mod field;
 mod forcing;
 mod measure;
 mod model;
+mod moving;
 mod outcome;
 mod record;
 mod report;
@@ -14,6 +15,7 @@ mod watch;
 
 pub use ask::{BranchStart, ContinuationTask, Follows, Measure, ParameterRange};
 pub(crate) use field::{Assignment, Field};
+pub(crate) use moving::{Entry, Moving};
 pub use outcome::{
     BranchOutcome, BranchPoint, ContinuationFindings, FreeParameter, MeasureHead, SpecialPoint,
 };

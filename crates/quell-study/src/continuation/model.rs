@@ -12,13 +12,14 @@ use super::ask::{ContinuationTask, Measure, ParameterRange};
 use super::field::{Assignment, Field};
 use super::forcing::Forcing;
 use super::measure::{self, Compiled};
+use super::moving::{Entry, Moving};
 use crate::amount::Amount;
-use crate::built::{Built, Places, Values};
+use crate::built::{Built, Places, ValueScratch, Values};
 use crate::configuration;
 use crate::outcome::BuiltDevice;
 use crate::situation::Situation;
 use crate::study::{Bounds, ConfigurationSpec, Study};
-use crate::transient::{Source, ValuePlaces, Watching, parameters, sources};
+use crate::transient::{ValuePlaces, Watching, sources};
 
 /// A free parameter.
 #[derive(Debug, Clone)]
@@ -33,10 +34,8 @@ pub(super) struct Axis {
     pub(super) base: f64,
     /// Its range, SI.
     pub(super) range: (f64, f64),
-    /// Index of the host's parameter among those of the system.
-    host: Option<usize>,
-    /// Where it enters devices.
-    places: Places,
+    /// Where it enters the system.
+    entry: Entry,
 }
 
 /// Which parameter is wanted free, with its range where the study gives one.
@@ -61,78 +60,14 @@ impl Wanted {
     }
 }
 
-/// The values of a system's parameters as functions of the free ones.
-#[derive(Debug)]
-struct Free {
-    axes: Vec<Axis>,
-    sources: Vec<Source>,
-    built: Built,
-    /// Places in the slopes by parameter of the system.
-    slopes: Vec<usize>,
-}
-
-impl Assignment for Free {
-    fn free(&self) -> usize {
-        self.axes.len()
-    }
-
-    fn values(&self, free: &[f64]) -> Vec<f64> {
-        let moved = self.built.moved(&self.moves(free));
-        let mut values = parameters(&self.sources, &moved.mechanical, &moved.laws);
-        for (axis, value) in self.axes.iter().zip(free) {
-            if let Some(entry) = axis.host.and_then(|index| values.get_mut(index)) {
-                *entry = *value;
-            }
-        }
-        values
-    }
-
-    fn weights(&self, free: &[f64]) -> Vec<Vec<(usize, f64)>> {
-        let moved = self.built.moved(&self.moves(free));
-        let place = |parameter: usize| self.slopes.iter().position(|known| *known == parameter);
-        self.axes
-            .iter()
-            .zip(&moved.elements)
-            .map(|(axis, elements)| {
-                let laws = axis.places.laws();
-                let mut found = Vec::new();
-                for (parameter, source) in self.sources.iter().enumerate() {
-                    let weight = match source {
-                        Source::Host(_) => f64::from(u8::from(axis.host == Some(parameter))),
-                        Source::Element(element) => elements
-                            .iter()
-                            .filter(|(known, _)| known == element)
-                            .map(|(_, derivative)| derivative)
-                            .sum(),
-                        Source::Law(law) => f64::from(u8::from(laws.contains(law))),
-                    };
-                    if let Some(place) = place(parameter).filter(|_| weight != 0.0) {
-                        found.push((place, weight));
-                    }
-                }
-                found
-            })
-            .collect()
-    }
-}
-
-impl Free {
-    fn moves<'a>(&'a self, free: &[f64]) -> Vec<(&'a Places, f64)> {
-        self.axes
-            .iter()
-            .zip(free)
-            .map(|(axis, value)| (&axis.places, *value))
-            .collect()
-    }
-}
-
 /// A configuration of a study as a system with free parameters.
 #[derive(Debug)]
 pub(super) struct Model {
     host: Arc<EquationHost>,
     system: System,
     slopes: Slopes,
-    free: Free,
+    axes: Vec<Axis>,
+    free: Moving<Built>,
     forcing: Option<Forcing>,
     pub(super) measures: Vec<Compiled>,
     pub(super) devices: Vec<BuiltDevice>,
@@ -178,22 +113,12 @@ impl Model {
         for one in wanted {
             axes.push(axis(study, situation, spec, &built, &host, &system, one)?);
         }
-        let mut moving: Vec<usize> = Vec::new();
-        for axis in &axes {
-            let elements = built.changed_elements(&axis.places);
-            let laws = axis.places.laws();
-            for (parameter, source) in sources.iter().enumerate() {
-                let moves = match source {
-                    Source::Host(_) => axis.host == Some(parameter),
-                    Source::Element(place) => elements.contains(place),
-                    Source::Law(place) => laws.contains(place),
-                };
-                if moves && !moving.contains(&parameter) {
-                    moving.push(parameter);
-                }
-            }
-        }
-        let slopes = system.slopes(&moving);
+        let mut values = ValueScratch::default();
+        built.values(&[], &mut values);
+        let shown = built.devices(&[]);
+        let entries = axes.iter().map(|axis| axis.entry.clone()).collect();
+        let free = Moving::new(built, values, sources, entries);
+        let slopes = system.slopes(free.slopes());
         let drive = Drive {
             period,
             frequencies: &frequencies,
@@ -201,15 +126,10 @@ impl Model {
             place,
         };
         let forcing = forcing(study, &host, &system, &slopes, &drive)?;
-        let shown = built.devices(&[]);
         Ok(Self {
             system,
-            free: Free {
-                axes,
-                sources,
-                slopes: moving,
-                built,
-            },
+            axes,
+            free,
             slopes,
             forcing,
             measures: compiled,
@@ -220,7 +140,7 @@ impl Model {
 
     /// The free parameters.
     pub(super) fn axes(&self) -> &[Axis] {
-        &self.free.axes
+        &self.axes
     }
 
     /// Names of the states.
@@ -442,8 +362,10 @@ fn axis(
         dimension,
         base,
         range: range.ok_or_else(missing)?,
-        host: index,
-        places,
+        entry: Entry {
+            host: index,
+            places,
+        },
     })
 }
 

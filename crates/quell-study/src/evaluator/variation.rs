@@ -223,20 +223,22 @@ impl Varied {
         }
         let corners = points.len();
         // A criterion need not be largest at a corner; what lies between is looked at too.
-        let between = self.between(values, scratch, &points);
-        let beyond = between.len();
-        points.extend(between);
+        points.extend(self.between(values, scratch, &points));
         let numbers: Vec<f64> = points.iter().map(|point| point.value).collect();
         let mean = self.take == Statistic::Mean;
         let counted = if mean { corners } else { numbers.len() };
         let value = taken(self.take, numbers.get(..counted).unwrap_or_default());
-        let chosen = points
+        let place = points
             .iter()
-            .find(|point| point.value.is_nan())
-            .or_else(|| match self.take {
-                Statistic::Smallest => points.iter().min_by(|a, b| a.value.total_cmp(&b.value)),
-                _ => points.iter().max_by(|a, b| a.value.total_cmp(&b.value)),
+            .position(|point| point.value.is_nan())
+            .or_else(|| {
+                let order = |a: &usize, b: &usize| numbers[*a].total_cmp(&numbers[*b]);
+                match self.take {
+                    Statistic::Smallest => (0..points.len()).min_by(order),
+                    _ => (0..points.len()).max_by(order),
+                }
             });
+        let chosen = place.and_then(|place| points.get(place));
         let words = chosen.map(|point| self.words(point)).unwrap_or_default();
         let looked = corners
             + if self.tolerances.is_empty() {
@@ -260,7 +262,8 @@ impl Varied {
             taken.push_str(lead);
             taken.push_str(&words);
         }
-        if beyond > 0 && !mean {
+        let outdone = self.take == Statistic::Spread && points.len() > corners;
+        if outdone || place.is_some_and(|place| place >= corners) {
             taken.push_str(" (between the corners of the tolerances)");
         }
         let status = match chosen {
@@ -296,7 +299,7 @@ impl Varied {
         let [mut least, mut most] =
             [Statistic::Smallest, Statistic::Largest].map(|take| taken(take, &numbers));
         let mut found = Vec::new();
-        if self.tolerances.is_empty() || least.is_nan() {
+        if self.tolerances.is_empty() || self.take == Statistic::Mean || least.is_nan() {
             return found;
         }
         let ratio = plastic(self.tolerances.len());
