@@ -207,7 +207,14 @@ fn flutter_begins_subcritically_and_a_fold_of_cycles_precedes_it() {
 #[test]
 fn hopf_curves_of_the_gear_cross_twice() {
     let study = gallery("zero-shimmy.toml");
-    let results = run(&study, 2, &[]);
+    let tasks = [
+        "L1 36000",
+        "L1 2000",
+        "L1 Hopf curve of torsion",
+        "L1 Hopf curve of bending",
+        "L1 lower Hopf curve of torsion",
+    ];
+    let results = run(&study, 2, &tasks);
     let crossings = |task: &str| {
         let branch = &found(&results, task).branches[0];
         assert_eq!(branch.of, "H");
