@@ -125,11 +125,16 @@ impl Verdict {
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.violations.is_empty() {
-            return write!(
+            write!(
                 f,
-                "positive-real; least real part {:.6e} at ω = {:.6} rad/s",
-                self.least_real_part, self.at
-            );
+                "positive-real; least real part {:.6e} ",
+                self.least_real_part
+            )?;
+            return if self.at.is_finite() {
+                write!(f, "at ω = {:.6} rad/s", self.at)
+            } else {
+                f.write_str("as ω grows without bound")
+            };
         }
         f.write_str("not positive-real: ")?;
         for (place, violation) in self.violations.iter().enumerate() {

@@ -72,6 +72,17 @@ pub(crate) struct Evaluator<'a, P: Problem> {
     relief: Vec<f64>,
     /// Whether the problem gives no pieces, so that differences stand for them.
     differences: bool,
+    /// Where `constraints` and this objective were evaluated.
+    last: (Vec<f64>, f64),
+}
+
+/// How gradients by differences are taken; those that the problem gives are exact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Accuracy {
+    /// To one side: half the evaluations, for the way to an optimum.
+    Coarse,
+    /// Central.
+    Fine,
 }
 
 impl<'a, P: Problem> Evaluator<'a, P> {
@@ -96,6 +107,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             best_constraints: vec![f64::INFINITY; constraints],
             relief: vec![1.0; constraints],
             differences: false,
+            last: (Vec::new(), f64::NAN),
         }
     }
 
@@ -145,6 +157,9 @@ impl<'a, P: Problem> Evaluator<'a, P> {
         let objective =
             self.problem
                 .evaluate(&self.point, &mut self.constraints, &mut self.scratch);
+        self.last.0.clear();
+        self.last.0.extend_from_slice(coordinates);
+        self.last.1 = objective;
         self.keep(coordinates, objective);
         objective
     }
@@ -207,6 +222,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
             return;
         }
         self.best = Value::FAILED;
+        self.last.0.clear();
         for one in sample {
             self.place(one.coordinates);
             self.constraints.copy_from_slice(&one.constraints);
@@ -251,8 +267,13 @@ impl<'a, P: Problem> Evaluator<'a, P> {
 
     /// Near-active pieces with gradients by the scaled coordinates; false when there are none here.
     ///
-    /// Where the problem gives none but is smooth, objective and constraints are one piece each, with central differences.
-    pub(crate) fn pieces(&mut self, coordinates: &[f64], pieces: &mut Pieces) -> bool {
+    /// Where the problem gives none but is smooth, objective and constraints are one piece each, with differences.
+    pub(crate) fn pieces(
+        &mut self,
+        coordinates: &[f64],
+        accuracy: Accuracy,
+        pieces: &mut Pieces,
+    ) -> bool {
         if !self.differences {
             match self.given_pieces(coordinates, pieces) {
                 Some(usable) => return usable,
@@ -261,7 +282,7 @@ impl<'a, P: Problem> Evaluator<'a, P> {
                 }
             }
         }
-        self.differences && self.differenced(coordinates, pieces)
+        self.differences && self.differenced(coordinates, accuracy, pieces)
     }
 
     /// The problem's own pieces; `None` where it gives none, false where they are of no use.
@@ -304,15 +325,24 @@ impl<'a, P: Problem> Evaluator<'a, P> {
         Some(true)
     }
 
-    /// Objective and constraints with differences over [`Settings::difference`]: central, one-sided at a bound and where a
-    /// neighbour cannot be evaluated.
-    fn differenced(&mut self, coordinates: &[f64], pieces: &mut Pieces) -> bool {
+    /// Objective and constraints with differences over [`Settings::difference`]: central if they are to be fine, one-sided
+    /// else, at a bound and where a neighbour cannot be evaluated.
+    fn differenced(
+        &mut self,
+        coordinates: &[f64],
+        accuracy: Accuracy,
+        pieces: &mut Pieces,
+    ) -> bool {
         let dimension = coordinates.len();
         if dimension == 0 || self.remaining() < 2 * dimension + 1 {
             return false;
         }
         let count = 1 + self.constraints.len();
-        let middle = self.values(coordinates);
+        let middle = if self.last.0 == coordinates {
+            self.last_values()
+        } else {
+            self.values(coordinates)
+        };
         if !middle.iter().all(|value| value.is_finite()) {
             return false;
         }
@@ -328,6 +358,9 @@ impl<'a, P: Problem> Evaluator<'a, P> {
                     let values = self.values(&moved);
                     if values.iter().all(|value| value.is_finite()) {
                         *end = (to, Some(values));
+                        if accuracy == Accuracy::Coarse {
+                            break;
+                        }
                     }
                 }
             }
@@ -354,9 +387,14 @@ impl<'a, P: Problem> Evaluator<'a, P> {
 
     /// Objective and constraints, not-a-number or infinite where the evaluation failed.
     fn values(&mut self, coordinates: &[f64]) -> Vec<f64> {
-        let objective = self.raw_values(coordinates);
+        self.raw_values(coordinates);
+        self.last_values()
+    }
+
+    /// Those of the last point.
+    fn last_values(&self) -> Vec<f64> {
         let mut values = Vec::with_capacity(1 + self.constraints.len());
-        values.push(objective);
+        values.push(self.last.1);
         values.extend(
             self.constraints
                 .iter()

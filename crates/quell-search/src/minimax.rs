@@ -16,7 +16,7 @@
 //! (second-order correction) and 18.5 (elastic steps); R. Fletcher, "Practical Methods of Optimization" (1987),
 //! chapter 14 (minimax programmes).
 
-use crate::evaluation::{Evaluator, Value};
+use crate::evaluation::{Accuracy, Evaluator, Value};
 use crate::quadratic::Quadratic;
 use crate::{Pieces, Problem};
 
@@ -40,6 +40,8 @@ const FIRST_RADIUS: f64 = 0.15;
 const LARGEST_RADIUS: f64 = 0.5;
 const SMALLEST_RADIUS: f64 = 1e-10;
 const LARGEST_PENALTY: f64 = 1e7;
+/// Where the trust region is this many differences wide or narrower, they are taken on both sides.
+const NEAR: f64 = 30.0;
 /// Relative distance to the maximum within which a piece counts as active for the certificate.
 const ACTIVE: f64 = 1e-6;
 
@@ -146,7 +148,8 @@ impl Minimax {
         let n = coordinates.len();
         let limit = evaluator.evaluations + evaluator.remaining();
         let mut value = evaluator.evaluate(coordinates);
-        if value.is_failed() || !evaluator.pieces(coordinates, &mut self.pieces) {
+        let mut accuracy = Accuracy::Coarse;
+        if value.is_failed() || !evaluator.pieces(coordinates, accuracy, &mut self.pieces) {
             return (Ending::Unavailable, value);
         }
         self.model.fill(&self.pieces);
@@ -180,7 +183,17 @@ impl Minimax {
                 .abs()
                 .max(evaluator.settings.magnitude)
                 .max(1e-7 * largest);
-            if solved.predicted * scale <= evaluator.settings.convergence * measure {
+            let done = solved.predicted * scale <= evaluator.settings.convergence * measure;
+            let close = radius < NEAR * evaluator.settings.difference;
+            if evaluator.differences() && accuracy == Accuracy::Coarse && (done || close) {
+                accuracy = Accuracy::Fine;
+                if !evaluator.pieces(coordinates, accuracy, &mut self.pieces) {
+                    return (Ending::Unavailable, value);
+                }
+                self.model.fill(&self.pieces);
+                continue;
+            }
+            if done {
                 // A matrix grown too stiff also predicts no decrease: believe it only from a fresh one or with a
                 // certificate, which does not depend on the matrix.
                 if fresh
@@ -210,7 +223,7 @@ impl Minimax {
             let mut trial_pieces = false;
             if ratio < 0.1 && !trial_value.is_failed() && evaluator.evaluations < limit {
                 // Second-order correction, and cuts from pieces that the model did not know.
-                if evaluator.pieces(&self.trial, &mut self.pieces) {
+                if evaluator.pieces(&self.trial, accuracy, &mut self.pieces) {
                     self.trial_model.fill(&self.pieces);
                     let corrected = self.correct(coordinates, value, scale, radius, penalty);
                     if corrected && evaluator.evaluations < limit {
@@ -249,7 +262,7 @@ impl Minimax {
                 .fold(0.0_f64, |longest, d| longest.max(d.abs()));
             if ratio > 1e-4 {
                 if !trial_pieces {
-                    if !evaluator.pieces(&self.trial, &mut self.pieces) {
+                    if !evaluator.pieces(&self.trial, accuracy, &mut self.pieces) {
                         coordinates.copy_from_slice(&self.trial);
                         return (Ending::Unavailable, trial_value);
                     }
@@ -273,7 +286,13 @@ impl Minimax {
             } else if ratio > 0.75 && length > 0.8 * radius {
                 radius = (2.0 * radius).min(LARGEST_RADIUS);
             }
-            if radius < SMALLEST_RADIUS {
+            // Differences say nothing of what is narrower than they are.
+            let smallest = if evaluator.differences() {
+                evaluator.settings.difference
+            } else {
+                SMALLEST_RADIUS
+            };
+            if radius < smallest {
                 return (Ending::Stalled, value);
             }
         }
@@ -665,7 +684,7 @@ impl Minimax {
         coordinates: &[f64],
         value: Value,
     ) -> Option<f64> {
-        if value.is_failed() || !evaluator.pieces(coordinates, &mut self.pieces) {
+        if value.is_failed() || !evaluator.pieces(coordinates, Accuracy::Fine, &mut self.pieces) {
             return None;
         }
         self.model.fill(&self.pieces);

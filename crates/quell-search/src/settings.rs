@@ -38,6 +38,7 @@ pub struct Settings {
     pub population_every_differenced: usize,
     /// Step, as a part of a variable's scaled range, of the differences that stand for gradients where a smooth problem
     /// gives none; `0` for searches without gradients there. Default `1e-4`: integrations in time are accurate to some 1e-8.
+    /// They are one-sided on the way and central near the end; a trust region narrower than the step has stalled.
     pub difference: f64,
     /// Pieces of the objective within this relative margin of the maximum are asked for. Default `0.5`.
     pub margin: f64,

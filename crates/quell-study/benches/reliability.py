@@ -1,11 +1,12 @@
 """Other optimisers on the objectives of reliability.rs, by evaluations until the target is met (20 seeds).
 
     cargo bench -p quell-study --bench reliability --no-run    # says where the executable is
-    python3 reliability.py EXECUTABLE [PROBLEM ...]
+    python3 reliability.py EXECUTABLE [--most EVALUATIONS] [PROBLEM ...]
 
 Needs numpy, scipy, cma and nlopt. Every method works in the unit cube of scaled coordinates that Quell's own search uses, is
 begun anew with more effort (or from another random point) when it ends without the optimum, and gives up at 60,000
-evaluations. Constraints: SciPy's own rules, pycma's augmented Lagrangian, NLopt's COBYLA takes them as they are.
+evaluations, or as many as said: some methods take hours for problems with constraints, and a smaller number still shows who needs
+more. Constraints: SciPy's own rules, pycma's augmented Lagrangian, NLopt's COBYLA takes them as they are.
 """
 
 import subprocess
@@ -21,7 +22,7 @@ import nlopt  # noqa: E402
 from scipy.optimize import NonlinearConstraint, differential_evolution  # noqa: E402
 
 SEEDS = range(1, 21)
-MOST = 60_000
+most = 60_000
 FEASIBLE = 1e-6
 # What a failed simulation counts as: far above every value, for methods that want numbers.
 FAILED = 1e6
@@ -44,7 +45,7 @@ class Objective:
         u = np.clip(np.asarray(u, float), 0.0, 1.0)
         if self.last is not None and np.array_equal(self.last[0], u):
             return self.last[1]
-        if self.hit is not None or self.evaluations >= MOST:
+        if self.hit is not None or self.evaluations >= most:
             raise Met
         self.server.stdin.write(" ".join(f"{x:.17g}" for x in u) + "\n")
         self.server.stdin.flush()
@@ -108,7 +109,7 @@ def local(objective, seed):
     search.set_min_objective(lambda u, _: float(objective(u)[0]))
     search.set_lower_bounds(0.0)
     search.set_upper_bounds(1.0)
-    search.set_maxeval(MOST)
+    search.set_maxeval(most)
     search.optimize(rng.uniform(size=n))
 
 
@@ -116,8 +117,11 @@ METHODS = {"SciPy differential evolution": evolution, "pycma (restarts)": covari
 
 
 def main():
-    executable = sys.argv[1]
-    names = sys.argv[2:] or ["absorber", "passageways", "ride", "touch-down", "two stages"]
+    global most
+    executable, *names = sys.argv[1:]
+    if names[:1] == ["--most"]:
+        most, names = int(names[1]), names[2:]
+    names = names or ["absorber", "passageways", "ride", "touch-down", "two stages"]
     print("problem       method                        hits   median   95 %   seconds: median")
     for name in names:
         objective = Objective(executable, name)

@@ -1,7 +1,7 @@
 //! Evaluations and seconds to a reliable optimum: over 20 seeds, how many evaluations pass until a feasible point within 1e-3
 //! of the best known value is met.
 //!
-//!     cargo bench -p quell-study --bench reliability
+//!     cargo bench -p quell-study --bench reliability [-- PROBLEM ...]
 //!     cargo bench -p quell-study --bench reliability -- serve PROBLEM
 //!
 //! The second form answers points on its standard input, for other optimisers on the same objective: `reliability.py` beside
@@ -189,7 +189,9 @@ fn main() {
     println!(
         "problem       variables  constraints  hits   evaluations: median  95 %   seconds: median  best met"
     );
-    for case in &CASES {
+    let named = |case: &&Case| arguments.iter().any(|word| word == case.name);
+    let all = CASES.iter().filter(named).count() == 0;
+    for case in CASES.iter().filter(|case| all || named(case)) {
         measure(case);
     }
 }

@@ -316,3 +316,60 @@ fn what_cannot_be_met_is_said_to_be_infeasible() {
         );
     }
 }
+
+/// The best efficiency with a spring of two stages ends its run at an event that is hardly reached: a percent less damping than there, the
+/// stroke turns back at once and the number says so; a percent more, the event is not reached and the run ends 60 ms later.
+#[test]
+fn an_end_event_that_is_nearly_grazed_is_said_to_be() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
+    let gallery = fs::read_to_string(folder.join("touch-down.toml")).unwrap();
+    let (head, _) = gallery.split_once("[[tasks]]").unwrap();
+    let values = r#"b = "254.432 kg", k = "616973 N/m", "stage.ks1" = "0.16 N/m", "stage.ssx" = "0.109932 m""#;
+    let text = format!(
+        r#"{head}
+[[tasks]]
+name = "beside"
+kind = "evaluate"
+[tasks.configurations]
+less = {{ strut = "stage | b | c + k", c = "16713 N*s/m", {values} }}
+more = {{ strut = "stage | b | c + k", c = "17050 N*s/m", {values} }}
+
+[[tasks]]
+name = "best"
+kind = "design"
+maximise = "eta"
+starts = 2
+candidates.strut = ["stage | b | c + k"]
+fixed = {{ {values} }}
+bounds = {{ c = ["15000 N*s/m", "20000 N*s/m"] }}
+"#
+    );
+    let study = Study::parse(Source::new("graze.toml", text), &folder)
+        .unwrap_or_else(|fault| panic!("{}", fault.render()));
+    let mut outcome = run(&study, &RunSettings::default(), &Silent).unwrap();
+    let Findings::Design(design) = outcome.tasks.remove(1).points.remove(0).findings else {
+        panic!("`best` designs");
+    };
+    let Findings::Evaluate(found) = outcome.tasks.remove(0).points.remove(0).findings else {
+        panic!("`beside` evaluates");
+    };
+    let [less, more] = found.as_slice() else {
+        panic!("two configurations");
+    };
+    let status = |one: &Evaluated| one.details["eta"].status.clone();
+    assert!(
+        status(less).starts_with("computed, but the end event is nearly grazed"),
+        "{}",
+        status(less)
+    );
+    assert_eq!(status(more), "computed");
+    assert!(more.criteria["t_end"] - less.criteria["t_end"] > 0.05);
+    // A design there carries the words; of criteria that it does not rest on nothing is said.
+    let remarks = &design.designs[0].remarks;
+    assert!(
+        remarks
+            .iter()
+            .any(|remark| remark.starts_with("`eta`: ") && remark.contains("grazed")),
+        "{remarks:?}"
+    );
+}

@@ -31,6 +31,9 @@ pub(crate) enum Command {
     Run(RunOptions),
     /// List or count the layouts of a budget of elements
     Layouts(LayoutOptions),
+    /// Networks that have a given admittance: is it passive, and what can be built?
+    #[command(visible_alias = "synthesize")]
+    Synthesise(SynthesisOptions),
     /// Print the JSON Schema of study files, for editors
     Schema,
     /// Print the reference of every key of study and host files, as Markdown
@@ -77,6 +80,29 @@ pub(crate) struct RunOptions {
     /// Begin anew, over an earlier or interrupted run in the folder
     #[arg(long)]
     pub(crate) force: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  quell synthesise '(s^2 + s + 1)/(s^2 + s + 4)'
+  quell synthesise '(3 s^2 + 3 s + 2)/(3 s + 1)' --impedance
+  quell synthesise '(s^2 + 0.1 s + 1)/(s^2 + s + 4)' --nearest
+
+The methods are those of docs/synthesis.md; every network is analysed back from its elements.")]
+pub(crate) struct SynthesisOptions {
+    /// Y(s), force over velocity (N s/m): a spring is k/s, a damper c, an inerter b*s
+    #[arg(value_name = "FUNCTION", allow_hyphen_values = true)]
+    pub(crate) function: String,
+    /// The function is the impedance Z(s) = 1/Y(s), velocity over force
+    #[arg(long)]
+    pub(crate) impedance: bool,
+    /// Where no passive device has the function: take the nearest that one has
+    #[arg(long)]
+    pub(crate) nearest: bool,
+    /// Largest number of elements of the networks that are tried
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u8).range(1..=8))]
+    pub(crate) most: u8,
 }
 
 #[derive(Debug, Args)]

@@ -10,6 +10,7 @@ mod layouts;
 mod progress;
 mod run;
 mod shortlist;
+mod synthesise;
 mod table;
 mod terminal;
 
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::Check(options) => check::check(&options),
         Command::Run(options) => run::run(&options),
         Command::Layouts(options) => layouts::layouts(&options),
+        Command::Synthesise(options) => synthesise::synthesise(&options),
         Command::Schema => terminal::print(&format!("{:#}\n", quell_study::json_schema())),
         Command::Reference => terminal::print(&quell_study::reference()),
         Command::Completions { shell } => {

@@ -19,7 +19,7 @@ const DIGITS: usize = 5;
 const MOST_OF_FRONT: usize = 15;
 
 /// Columns of a line, on a terminal and in a file alike.
-const WIDTH: usize = 100;
+pub(crate) const WIDTH: usize = 100;
 
 /// What `quell run` prints.
 pub(crate) fn text(study: &Study, outcome: &RunOutcome) -> String {

@@ -256,6 +256,36 @@ impl Structure {
         Some((Layout::from_tree(Domain::Translational, tree)?, values))
     }
 
+    /// Every value by the name that the printed structure gives it, in its order; a lever's ratio is `n`.
+    #[must_use]
+    pub fn values(&self) -> Vec<(String, f64)> {
+        let mut values = Vec::new();
+        self.name_values(&mut Names::new(), &mut values);
+        values
+    }
+
+    fn name_values(&self, names: &mut Names, values: &mut Vec<(String, f64)>) {
+        match self {
+            Self::Element(element, value) => values.push((names.next(*element), *value)),
+            Self::Series(children) | Self::Parallel(children) => {
+                for child in children {
+                    child.name_values(names, values);
+                }
+            }
+            Self::Graph(edges) => {
+                for (_, _, child) in edges {
+                    child.name_values(names, values);
+                }
+            }
+            Self::Lever(section) => {
+                values.push((names.next(Element::Spring), section.stiffness));
+                values.push((names.next(Element::Inerter), section.inertance));
+                values.push(("n".to_owned(), section.ratio));
+                section.rest.name_values(names, values);
+            }
+        }
+    }
+
     fn tree(&self) -> Option<Tree<(Element, f64)>> {
         let all = |children: &[Self]| children.iter().map(Self::tree).collect::<Option<Vec<_>>>();
         match self {

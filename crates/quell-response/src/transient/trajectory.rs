@@ -157,6 +157,14 @@ impl Trajectory {
         })
     }
 
+    /// How far beyond its level the signal of the event that ended the run goes, over its largest size in the run, as its first
+    /// two derivatives there predict it: see [`Occurrence::depth`]. `None` where no event ended it.
+    pub fn ending_depth(&self) -> Option<f64> {
+        let end = self.ended?;
+        let at_end = self.occurrences.iter().filter(|one| one.t == end);
+        at_end.map(|one| one.depth).reduce(f64::min)
+    }
+
     /// What it cost.
     pub fn statistics(&self) -> &Statistics {
         &self.statistics

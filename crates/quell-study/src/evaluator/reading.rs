@@ -167,8 +167,8 @@ pub(super) fn in_time(
         failure.clone()
     } else if value.is_nan() {
         observation.absent().to_owned()
-    } else if simulated.grazes() {
-        "computed, but an event is grazed: it is touched rather than crossed, so a small change of any value may end the run much later".to_owned()
+    } else if let Some(grazing) = simulated.grazing() {
+        grazing
     } else {
         remark.unwrap_or_else(|| "computed".to_owned())
     };

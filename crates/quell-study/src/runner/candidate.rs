@@ -92,7 +92,10 @@ impl Runner<'_> {
         let evaluated = evaluated(&candidate.label(), &all, &outcome.point);
         let verdict = Verdict::on(&evaluated, design, &problem.constraints);
         let (violations, remarks) = if verdict.feasible {
-            let remarks = remarks::remarks(&problem, &candidate, &evaluated, &outcome, &settings);
+            let mut remarks = remarks::cautions(&evaluated, design);
+            remarks.extend(remarks::remarks(
+                &problem, &candidate, &evaluated, &outcome, &settings,
+            ));
             (IndexMap::new(), remarks)
         } else {
             let violations = remarks::violations(&evaluated, design, &problem.constraints);

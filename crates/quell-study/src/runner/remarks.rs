@@ -11,6 +11,7 @@ use crate::candidates::Candidate;
 use crate::outcome::Evaluated;
 use crate::problem::{DesignProblem, Goal, ProblemScratch};
 use crate::study::DesignTask;
+use crate::transient::COMPUTED_BUT;
 
 /// A value is flat when the largest that does as well is so many times the smallest.
 const FACTOR: f64 = 1.5;
@@ -72,6 +73,26 @@ pub(super) fn missed(violations: &IndexMap<String, f64>) -> Option<String> {
         };
     }
     Some(text)
+}
+
+/// What is said of the numbers that a design rests on beyond that they were computed: grazed events, swings that just count.
+pub(super) fn cautions(evaluated: &Evaluated, design: &DesignTask) -> Vec<String> {
+    let mut said: IndexMap<&str, Vec<&str>> = IndexMap::new();
+    let objectives = design.objectives();
+    let asked = objectives.iter().map(|objective| &objective.criterion);
+    let constrained = design.constraints.iter().map(|one| &one.criterion);
+    for name in asked.chain(constrained) {
+        let detail = evaluated.details.get(name);
+        if let Some(caution) = detail.and_then(|detail| detail.status.strip_prefix(COMPUTED_BUT)) {
+            let names = said.entry(caution).or_default();
+            if !names.contains(&name.as_str()) {
+                names.push(name);
+            }
+        }
+    }
+    said.into_iter()
+        .map(|(caution, names)| format!("`{}`: {caution}", names.join("`, `")))
+        .collect()
 }
 
 /// Flat directions, and bounds behind which another layout lies.

@@ -11,7 +11,7 @@ mod plan;
 pub(crate) use beginning::{beginning, begun};
 pub(crate) use excitation::excitations;
 pub(crate) use history::History;
-pub(crate) use observation::Observation;
+pub(crate) use observation::{COMPUTED_BUT, Observation};
 pub(crate) use observe::observe;
 pub(crate) use plan::{
     Simulated, Source, TransientPlan, ValuePlaces, Watching, parameters, sources,

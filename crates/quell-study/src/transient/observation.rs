@@ -2,6 +2,9 @@
 
 use quell_response::transient::{Condition, Direction, Excursion, Extremum, Record};
 
+/// How the status of a number begins that stands, with something to be known about it.
+pub(crate) const COMPUTED_BUT: &str = "computed, but ";
+
 /// How near to its level, relative, a swing grazes it.
 const GRAZING: f64 = 0.1;
 
@@ -263,12 +266,12 @@ impl Observation {
         if share < graze * (1.0 + GRAZING) {
             let t = last.extreme.t;
             return Some(format!(
-                "computed, but grazing: the last swing that counts, at {t:.4} s, reaches {share:.3} of the level, so a small change of any value may shorten this by whole swings"
+                "{COMPUTED_BUT}grazing: the last swing that counts, at {t:.4} s, reaches {share:.3} of the level, so a small change of any value may shorten this by whole swings"
             ));
         }
         let (near, share) = near.filter(|(near, _)| near.t > last.to)?;
         Some(format!(
-            "computed, but grazing: a later swing, at {:.4} s, reaches {share:.3} of the level, so a small change of any value may lengthen this by whole swings",
+            "{COMPUTED_BUT}grazing: a later swing, at {:.4} s, reaches {share:.3} of the level, so a small change of any value may lengthen this by whole swings",
             near.t
         ))
     }

@@ -19,10 +19,13 @@ use quell_response::transient::{
 use super::excitation::excitations;
 use super::history::{History, histories};
 use super::ledger::LedgerSignals;
-use super::observation::Observation;
+use super::observation::{COMPUTED_BUT, Observation};
 use crate::results::Ledger;
 use crate::situation::Situation;
 use crate::study::{Integration, PhaseSpec, StartAt, Study, TransientRun};
+
+/// An end event is nearly grazed when its signal goes less than this beyond the level, relative to its largest size.
+const SHALLOW: f64 = 0.01;
 
 /// Signals of a run, gathered while criteria are read.
 #[derive(Debug)]
@@ -621,10 +624,18 @@ impl Simulated<'_> {
         Some(signals.read(&mut self.record()?, start, end))
     }
 
-    /// Whether the end event is touched rather than crossed.
-    pub(crate) fn grazes(&self) -> bool {
-        self.trajectories
-            .last()
-            .is_some_and(|last| last.ends_grazing() || !last.grazings().is_empty())
+    /// What should be known where the end event, or another one, is touched rather than crossed, or hardly crossed.
+    pub(crate) fn grazing(&self) -> Option<String> {
+        let last = self.trajectories.last()?;
+        if last.ends_grazing() || !last.grazings().is_empty() {
+            return Some(format!(
+                "{COMPUTED_BUT}an event is grazed: it is touched rather than crossed, so a small change of any value may end the run much later"
+            ));
+        }
+        let depth = last.ending_depth().filter(|depth| *depth < SHALLOW)?;
+        Some(format!(
+            "{COMPUTED_BUT}the end event is nearly grazed: its signal goes only {:.1e} of its largest size beyond the level, so a small change of any value may end the run much later",
+            depth
+        ))
     }
 }

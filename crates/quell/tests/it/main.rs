@@ -11,6 +11,7 @@ mod layouts;
 mod objectives;
 mod run;
 mod store;
+mod synthesise;
 
 use std::path::PathBuf;
 
