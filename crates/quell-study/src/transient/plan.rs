@@ -634,8 +634,7 @@ impl Simulated<'_> {
         }
         let depth = last.ending_depth().filter(|depth| *depth < SHALLOW)?;
         Some(format!(
-            "{COMPUTED_BUT}the end event is nearly grazed: its signal goes only {:.1e} of its largest size beyond the level, so a small change of any value may end the run much later",
-            depth
+            "{COMPUTED_BUT}the end event is nearly grazed: its signal goes only {depth:.1e} of its largest size beyond the level, so a small change of any value may end the run much later"
         ))
     }
 }
