@@ -100,6 +100,15 @@ impl RationalFunction {
         }
     }
 
+    /// Y X.
+    #[must_use]
+    pub fn product(&self, other: &Self) -> Self {
+        Self {
+            numerator: trimmed(product(&self.numerator, &other.numerator)),
+            denominator: trimmed(product(&self.denominator, &other.denominator)),
+        }
+    }
+
     /// Y(1/s).
     #[must_use]
     pub fn at_reciprocal(&self) -> Self {

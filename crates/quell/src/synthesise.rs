@@ -246,21 +246,10 @@ fn multiplied(
     a: &RationalFunction,
     b: &RationalFunction,
 ) -> Result<RationalFunction, ExpressionError> {
-    RationalFunction::new(
-        product(&a.numerator, &b.numerator),
-        product(&a.denominator, &b.denominator),
-    )
-    .map_err(|error| ExpressionError::new(span, error.to_string()))
-}
-
-fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
-    let mut result = vec![0.0; (a.len() + b.len()).saturating_sub(1)];
-    for (i, x) in a.iter().enumerate() {
-        for (slot, y) in result.iter_mut().skip(i).zip(b) {
-            *slot += x * y;
-        }
-    }
-    result
+    let product = a.product(b);
+    // Coefficients may overflow.
+    RationalFunction::new(product.numerator, product.denominator)
+        .map_err(|error| ExpressionError::new(span, error.to_string()))
 }
 
 /// The function with what is wrong underlined.
