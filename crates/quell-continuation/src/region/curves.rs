@@ -371,15 +371,25 @@ impl<'p> Atlas<'p> {
         let all = self.curves.iter().map(|curve| {
             let mut line: Vec<[f64; 2]> =
                 places(&curve.solutions).into_iter().map(|(at, _)| at).collect();
-            let CurveSolutions::Cycles(branch) = &curve.solutions else {
-                return line;
+            let stop = match &curve.solutions {
+                CurveSolutions::Equilibria(branch) => branch.stop,
+                CurveSolutions::Cycles(branch) => branch.stop,
             };
+            if stop.contains(&Stop::Closed)
+                && let (Some(last), Some(first)) = (line.pop(), line.first().copied())
+            {
+                // The last point has gone past the first one.
+                line.push(if line.len() > 1 { first } else { last });
+            }
+            if matches!(curve.solutions, CurveSolutions::Equilibria(_)) {
+                return line;
+            }
             if let Some(label) = &curve.parent
                 && let Some(corner) = self.corners.iter().find(|corner| corner.label == *label)
             {
                 line.insert(0, corner.at);
             }
-            for (index, stop) in branch.stop.iter().enumerate() {
+            for (index, stop) in stop.iter().enumerate() {
                 let end = if index == 0 { line.first() } else { line.last() };
                 let (Stop::Vanished, Some(end)) = (stop, end.copied()) else {
                     continue;

@@ -53,6 +53,8 @@ fn codes(region: &Region) -> Vec<(&'static str, Option<&str>)> {
 /// r' = r (p + q r² - r⁴), θ' = 1.
 struct Bautin;
 impl Field for Bautin {
+    const N: usize = 2;
+    const P: usize = 2;
     fn f<R: Real>(&self, _t: R, x: &[R], p: &[R], out: &mut [R]) {
         let r = x[0] * x[0] + x[1] * x[1];
         let growth = p[0] + p[1] * r - r * r;
@@ -93,6 +95,8 @@ fn folds_of_cycles_from_a_generalised_hopf_point() {
 /// The normal form of a Hopf-Hopf point of two modes that suppress each other: r₁' = r₁ (μ₁ - r₁² - 2 r₂²), r₂' = r₂ (μ₂ - 2 r₁² - r₂²).
 struct Competing;
 impl Field for Competing {
+    const N: usize = 4;
+    const P: usize = 2;
     fn f<R: Real>(&self, _t: R, x: &[R], p: &[R], out: &mut [R]) {
         let two = R::from(2.0);
         let first = x[0] * x[0] + x[1] * x[1];
@@ -143,6 +147,8 @@ fn torus_curves_from_a_hopf_hopf_point_bound_where_both_cycles_are_stable() {
 /// Growth rates that are positive in one small disc and negative in another, far from every line of the first look.
 struct Islands;
 impl Field for Islands {
+    const N: usize = 4;
+    const P: usize = 2;
     fn f<R: Real>(&self, _t: R, x: &[R], p: &[R], out: &mut [R]) {
         let disc = |a: f64, b: f64| {
             let (u, v) = (p[0] - R::from(a), p[1] - R::from(b));

@@ -17,6 +17,7 @@ pub(super) const fn kind(found: &ContinuationFindings) -> TaskKind {
         Follows::Branch => TaskKind::Branch,
         Follows::Curve => TaskKind::Curve,
         Follows::Diagram => TaskKind::Diagram,
+        Follows::Region => TaskKind::Region,
     }
 }
 

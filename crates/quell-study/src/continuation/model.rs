@@ -69,7 +69,10 @@ pub(super) struct Model {
     axes: Vec<Axis>,
     free: Moving<Built>,
     forcing: Option<Forcing>,
+    /// Measures that are shown, then those by which oscillations are named.
     pub(super) measures: Vec<Compiled>,
+    /// How many are shown.
+    pub(super) shown: usize,
     pub(super) devices: Vec<BuiltDevice>,
 }
 
@@ -83,7 +86,7 @@ impl Model {
         situation: &Situation,
         spec: &ConfigurationSpec,
         wanted: &[Wanted],
-        measures: &IndexMap<String, Measure>,
+        (measures, oscillations): (&IndexMap<String, Measure>, &IndexMap<String, Measure>),
         period: Option<&Amount>,
     ) -> Result<Self, Fault> {
         let written = situation.equations()?;
@@ -95,10 +98,16 @@ impl Model {
         let built = configuration::built(study, situation, spec)?;
         let devices = built.system_devices(study, &host)?;
         let watching = Watching::new(&host, &devices);
-        let compiled = measures
-            .iter()
-            .map(|(name, measure)| measure::compiled(study, situation, &watching, name, measure))
-            .collect::<Result<Vec<_>, _>>()?;
+        let mut compiled = Vec::with_capacity(measures.len() + oscillations.len());
+        for (name, measure) in measures.iter().chain(oscillations) {
+            let one = measure::compiled(study, situation, &watching, name, measure)?;
+            if compiled.len() > measures.len()
+                && let Some(first) = compiled.get(measures.len())
+            {
+                measure::comparable(study, first, &one, measure)?;
+            }
+            compiled.push(one);
+        }
         let place = wanted.first().map_or(spec.span, |one| one.span);
         let system = watching
             .system()
@@ -133,6 +142,7 @@ impl Model {
             slopes,
             forcing,
             measures: compiled,
+            shown: measures.len(),
             devices: shown,
             host,
         })
