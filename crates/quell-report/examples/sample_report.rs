@@ -194,6 +194,7 @@ fn response(designs: &[(&str, Peaks)]) -> Plot {
         },
         series,
         limits: Vec::new(),
+        areas: Vec::new(),
     }
 }
 

@@ -202,6 +202,8 @@ pub enum TaskKind {
     Curve,
     /// Every branch that can be found.
     Diagram,
+    /// A rectangle of two parameters, divided by what is stable.
+    Region,
 }
 
 impl TaskKind {
@@ -213,6 +215,7 @@ impl TaskKind {
             Self::Branch => "branch",
             Self::Curve => "curve",
             Self::Diagram => "diagram",
+            Self::Region => "region",
         }
     }
 }

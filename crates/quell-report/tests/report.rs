@@ -128,6 +128,7 @@ fn plot() -> Plot {
             },
         ],
         limits: vec![("allowed".into(), 50.0), ("none".into(), f64::NAN)],
+        areas: Vec::new(),
     }
 }
 

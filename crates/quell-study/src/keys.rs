@@ -371,9 +371,7 @@ pub const TASK: KeySet = KeySet {
         Key::required("name", Shape::Text, "Unique name of the task."),
         Key::required(
             "kind",
-            Shape::Choice(&[
-                "evaluate", "design", "branch", "curve", "diagram", "region",
-            ]),
+            Shape::Choice(&["evaluate", "design", "branch", "curve", "diagram", "region"]),
             "What is asked.",
         ),
         Key::optional(
@@ -386,7 +384,11 @@ pub const TASK: KeySet = KeySet {
             Shape::Text,
             "branch, diagram: what is followed: a parameter of the host, or a value of the configuration (of an element `c1`, of a component `track1.dL`, of a nonlinear element `gas.n`).",
         ),
-        Key::optional("parameters", TEXTS, "curve, region: the two parameters; of a region the first one runs along the abscissa."),
+        Key::optional(
+            "parameters",
+            TEXTS,
+            "curve, region: the two parameters; of a region the first one runs along the abscissa.",
+        ),
         Key::optional(
             "ranges",
             Shape::MapOf(&Shape::List(&Shape::Amount)),

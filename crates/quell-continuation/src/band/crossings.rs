@@ -106,8 +106,8 @@ impl<L: Linearisation> Scan<'_, '_, L> {
     /// Ridges that are below the axis at both columns, and where those are that pass it between them.
     fn between(&mut self, a: &Column, b: &Column) {
         let width = b.u - a.u;
-        let short = width <= self.settings.shortest
-            || self.out.columns >= self.settings.most_columns;
+        let short =
+            width <= self.settings.shortest || self.out.columns >= self.settings.most_columns;
         if !a.complete || !b.complete {
             if width > 16.0 * self.settings.shortest && !short {
                 self.divide(a, b, 0.5);
@@ -159,7 +159,8 @@ impl<L: Linearisation> Scan<'_, '_, L> {
             ridge.height < 0.0
                 && ridge.height + (towards * ridge.mode.by_u.re * width).max(0.0) >= 0.0
         };
-        if left.iter().any(|ridge| rises(ridge, 1.0)) || right.iter().any(|ridge| rises(ridge, -1.0))
+        if left.iter().any(|ridge| rises(ridge, 1.0))
+            || right.iter().any(|ridge| rises(ridge, -1.0))
         {
             ambiguous = ambiguous.or(Some(0.5));
         }
@@ -169,7 +170,15 @@ impl<L: Linearisation> Scan<'_, '_, L> {
                 let unresolved = (span.value(a.u), span.value(b.u));
                 self.out.unresolved.push(unresolved);
             } else {
-                self.divide(a, b, if (0.1..0.9).contains(&part) { part } else { 0.5 });
+                self.divide(
+                    a,
+                    b,
+                    if (0.1..0.9).contains(&part) {
+                        part
+                    } else {
+                        0.5
+                    },
+                );
             }
         }
     }

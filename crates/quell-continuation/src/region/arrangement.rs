@@ -135,10 +135,9 @@ fn divided(curves: &[Vec<[f64; 2]>]) -> Vec<(Vertex, Vertex)> {
                 if low > high {
                     continue;
                 }
-                for (on, segment, points) in [
-                    (i, one, [other.0, other.1]),
-                    (j, other, [one.0, one.1]),
-                ] {
+                for (on, segment, points) in
+                    [(i, one, [other.0, other.1]), (j, other, [one.0, one.1])]
+                {
                     for point in points {
                         if point != segment.0 && point != segment.1 && lies_on(point, *segment) {
                             cuts[on].push(point);

@@ -5,9 +5,7 @@ use rayon::prelude::*;
 use super::arrangement::{self, Face};
 use super::rescaled::Rescaled;
 use super::rest::Rest;
-use super::{
-    Attractor, CurveSolutions, Region, RegionCell, RegionCurve, RegionSettings,
-};
+use super::{Attractor, CurveSolutions, Region, RegionCell, RegionCurve, RegionSettings};
 use crate::band::{ParameterSpan, crossings};
 use crate::branch::{Branch, Equilibrium, Special};
 use crate::curve::{
@@ -102,7 +100,9 @@ impl<'p> Atlas<'p> {
                 Ok(branch) => branch,
                 Err(error) => {
                     let place = self.square.parameters(at);
-                    self.out.failed.push((format!("equilibria at {place:?}"), error));
+                    self.out
+                        .failed
+                        .push((format!("equilibria at {place:?}"), error));
                     continue;
                 }
             };
@@ -197,7 +197,9 @@ impl<'p> Atlas<'p> {
             Err(error) => {
                 let place = self.square.parameters(&at);
                 if omega > 0.0 {
-                    self.out.failed.push((format!("Hopf curve at {place:?}"), error));
+                    self.out
+                        .failed
+                        .push((format!("Hopf curve at {place:?}"), error));
                 } else {
                     // A real eigenvalue passes zero while the equilibrium goes on: no fold.
                     self.out.branch_points.push([place[0], place[1]]);
@@ -229,7 +231,10 @@ impl<'p> Atlas<'p> {
     fn label<S>(&mut self, branch: &mut Branch<S>, place: impl Fn(&S) -> [f64; 2]) {
         for special in &mut branch.special {
             let at = place(&special.solution);
-            let omegas = [special.omega.unwrap_or(0.0), special.second_omega.unwrap_or(0.0)];
+            let omegas = [
+                special.omega.unwrap_or(0.0),
+                special.second_omega.unwrap_or(0.0),
+            ];
             let known = self.corners.iter().find(|corner| {
                 let apart = (corner.at[0] - at[0]).hypot(corner.at[1] - at[1]);
                 corner.kind == special.kind && apart <= ONE_POINT && {
@@ -315,7 +320,10 @@ impl<'p> Atlas<'p> {
     /// Curves through special points of cycles that lie on none.
     pub(super) fn cycles(&mut self, seeds: Vec<Special<Orbit>>) {
         for special in seeds {
-            let at = [special.solution.parameters[0], special.solution.parameters[1]];
+            let at = [
+                special.solution.parameters[0],
+                special.solution.parameters[1],
+            ];
             let inside = at.iter().all(|part| (0.0..=1.0).contains(part));
             if !inside || self.is_known(special.kind, at, special.solution.period) {
                 continue;
@@ -362,15 +370,19 @@ impl<'p> Atlas<'p> {
         if own.len() < 2 {
             return true;
         }
-        let on = own.iter().filter(|(at, value)| self.is_known(kind, *at, *value));
+        let on = own
+            .iter()
+            .filter(|(at, value)| self.is_known(kind, *at, *value));
         2 * on.count() > own.len()
     }
 
     /// Every curve with the points of codimension two in which it begins and ends.
     pub(super) fn polylines(&self) -> Vec<Vec<[f64; 2]>> {
         let all = self.curves.iter().map(|curve| {
-            let mut line: Vec<[f64; 2]> =
-                places(&curve.solutions).into_iter().map(|(at, _)| at).collect();
+            let mut line: Vec<[f64; 2]> = places(&curve.solutions)
+                .into_iter()
+                .map(|(at, _)| at)
+                .collect();
             let stop = match &curve.solutions {
                 CurveSolutions::Equilibria(branch) => branch.stop,
                 CurveSolutions::Cycles(branch) => branch.stop,
@@ -390,19 +402,20 @@ impl<'p> Atlas<'p> {
                 line.insert(0, corner.at);
             }
             for (index, stop) in stop.iter().enumerate() {
-                let end = if index == 0 { line.first() } else { line.last() };
+                let end = if index == 0 {
+                    line.first()
+                } else {
+                    line.last()
+                };
                 let (Stop::Vanished, Some(end)) = (stop, end.copied()) else {
                     continue;
                 };
-                let distance = |corner: &&Corner| {
-                    (corner.at[0] - end[0]).hypot(corner.at[1] - end[1])
-                };
+                let distance =
+                    |corner: &&Corner| (corner.at[0] - end[0]).hypot(corner.at[1] - end[1]);
                 let nearest = self
                     .corners
                     .iter()
-                    .filter(|corner| {
-                        matches!(corner.kind, Kind::HopfHopf | Kind::GeneralisedHopf)
-                    })
+                    .filter(|corner| matches!(corner.kind, Kind::HopfHopf | Kind::GeneralisedHopf))
                     .min_by(|a, b| distance(a).total_cmp(&distance(b)));
                 if let Some(corner) = nearest.filter(|corner| distance(corner) <= ENDS_WITHIN) {
                     if index == 0 {

@@ -69,7 +69,12 @@ fn folds_of_cycles_from_a_generalised_hopf_point() {
     let problem = Exact::<_, 2>(Bautin);
     let settings = RegionSettings::new([linear(-0.4, 0.5), linear(-1.1, 1.0)], 2);
     let found = region(&problem, &rest(2, [-0.4, -1.1]), &settings).unwrap();
-    assert_eq!(codes(&found), [("H", None), ("LPC", Some("GH1"))], "{:?}", found.failed);
+    assert_eq!(
+        codes(&found),
+        [("H", None), ("LPC", Some("GH1"))],
+        "{:?}",
+        found.failed
+    );
     let CurveSolutions::Equilibria(hopf) = &found.curves[0].solutions else {
         panic!("a Hopf curve is of equilibria");
     };
@@ -120,7 +125,12 @@ fn torus_curves_from_a_hopf_hopf_point_bound_where_both_cycles_are_stable() {
     kinds.sort_unstable();
     assert_eq!(
         kinds,
-        [("H", None), ("H", None), ("NS", Some("HH1")), ("NS", Some("HH1"))],
+        [
+            ("H", None),
+            ("H", None),
+            ("NS", Some("HH1")),
+            ("NS", Some("HH1"))
+        ],
         "{:?}",
         found.failed
     );
@@ -129,7 +139,10 @@ fn torus_curves_from_a_hopf_hopf_point_bound_where_both_cycles_are_stable() {
         let CurveSolutions::Cycles(torus) = &curve.solutions else {
             continue;
         };
-        let last = &torus.points[torus.points.len() - 1].solution.orbit.parameters;
+        let last = &torus.points[torus.points.len() - 1]
+            .solution
+            .orbit
+            .parameters;
         slopes.push(last[1] / last[0]);
     }
     slopes.sort_by(f64::total_cmp);
@@ -171,7 +184,12 @@ fn islands_between_columns_are_found() {
     let problem = Exact::<_, 4>(Islands);
     let settings = RegionSettings::new([linear(0.0, 1.0), linear(0.0, 1.0)], 4);
     let found = region(&problem, &rest(4, [0.0, 0.0]), &settings).unwrap();
-    assert_eq!(codes(&found), [("H", None), ("H", None)], "{:?}", found.failed);
+    assert_eq!(
+        codes(&found),
+        [("H", None), ("H", None)],
+        "{:?}",
+        found.failed
+    );
     let disc = std::f64::consts::PI * 4e-4;
     let mut small: Vec<f64> = counts(&found).iter().map(|cell| cell.0).collect();
     small.remove(0);

@@ -91,6 +91,7 @@ pub(super) fn plots(task: &TaskOutcome) -> Vec<Plot> {
             },
             series: series(task, name),
             limits: Vec::new(),
+            areas: Vec::new(),
         })
         .collect()
 }

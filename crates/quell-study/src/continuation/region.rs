@@ -251,7 +251,12 @@ fn label(attractors: &[AttractorOutcome], names: &[String]) -> String {
 
 /// How it was found, in words.
 fn checks(model: &Model, found: &quell_continuation::Region) -> Vec<String> {
-    let name = |index: usize| model.axes().get(index).map_or("", |axis| axis.name.as_str());
+    let name = |index: usize| {
+        model
+            .axes()
+            .get(index)
+            .map_or("", |axis| axis.name.as_str())
+    };
     let [columns, samples, islands] = found.scan;
     let mut words = vec![
         format!(

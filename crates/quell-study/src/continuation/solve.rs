@@ -267,7 +267,9 @@ fn followed(
     (model, spec, settings): (&Model, &ConfigurationSpec, quell_continuation::Settings),
 ) -> Result<(Vec<Member>, super::ContinuationFindings), Fault> {
     if task.follows == Follows::Region {
-        return Ok(super::region::followed(name, task, model, settings, watcher));
+        return Ok(super::region::followed(
+            name, task, model, settings, watcher,
+        ));
     }
     let field = model.field();
     let follower = Follower {

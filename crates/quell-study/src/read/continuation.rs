@@ -122,7 +122,12 @@ pub(super) fn task(
         ranges,
         start,
         at,
-        measures: measures(table, study, "measures", "write `measures = { sway = \"max(abs(x))\" }`")?,
+        measures: measures(
+            table,
+            study,
+            "measures",
+            "write `measures = { sway = \"max(abs(x))\" }`",
+        )?,
         oscillations: oscillations(table, study)?,
         cycles: table
             .get("cycles")
@@ -407,9 +412,7 @@ fn measures(
         return Ok(IndexMap::new());
     };
     let mut found = IndexMap::new();
-    let all = value
-        .as_table()
-        .map_err(|fault| fault.help(example))?;
+    let all = value.as_table().map_err(|fault| fault.help(example))?;
     for (name, span, value) in all.entries() {
         super::check_name(name, span, &all)?;
         let (expression, unit) = if value.is_table() {

@@ -74,9 +74,7 @@ pub(super) fn tasks(value: &Value<'_>, study: &Study) -> Result<Vec<Task>, Fault
 }
 
 /// The kinds of task.
-pub(crate) const KINDS: [&str; 6] = [
-    "evaluate", "design", "branch", "curve", "diagram", "region",
-];
+pub(crate) const KINDS: [&str; 6] = ["evaluate", "design", "branch", "curve", "diagram", "region"];
 
 /// Keys of the other kinds of task.
 fn refuse_strangers(table: &Table<'_>, kind: &str) -> Result<(), Fault> {
