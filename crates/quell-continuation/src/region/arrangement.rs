@@ -299,7 +299,7 @@ pub(super) fn contains(loops: &[Vec<[f64; 2]>], at: [f64; 2]) -> bool {
 }
 
 /// Distance from the nearest edge; anything below `enough` once it is less than that.
-fn distance(loops: &[Vec<[f64; 2]>], at: [f64; 2], enough: f64) -> f64 {
+pub(super) fn distance(loops: &[Vec<[f64; 2]>], at: [f64; 2], enough: f64) -> f64 {
     let mut least = f64::INFINITY;
     for ring in loops {
         for k in 0..ring.len() {

@@ -46,7 +46,6 @@ pub(super) struct Atlas<'p> {
     corners: Vec<Corner>,
     out: Region,
     pub(super) odd: bool,
-    pub(super) cell_failures: Vec<(String, ContinuationError)>,
 }
 
 impl<'p> Atlas<'p> {
@@ -70,7 +69,6 @@ impl<'p> Atlas<'p> {
                 failed: Vec::new(),
             },
             odd: false,
-            cell_failures: Vec::new(),
         }
     }
 
@@ -204,6 +202,15 @@ impl<'p> Atlas<'p> {
                     // A real eigenvalue passes zero while the equilibrium goes on: no fold.
                     self.out.branch_points.push([place[0], place[1]]);
                 }
+            }
+        }
+    }
+
+    /// What could not be followed, each once.
+    pub(super) fn failed(&mut self, all: Vec<(String, ContinuationError)>) {
+        for one in all {
+            if !self.out.failed.contains(&one) {
+                self.out.failed.push(one);
             }
         }
     }
@@ -441,7 +448,6 @@ impl<'p> Atlas<'p> {
             mut curves,
             mut out,
             odd,
-            cell_failures,
             ..
         } = self;
         let back = |parameters: &mut Vec<f64>| *parameters = square.parameters(parameters);
@@ -485,7 +491,6 @@ impl<'p> Atlas<'p> {
             .collect();
         out.diagrams = diagrams;
         out.odd = odd;
-        out.failed.extend(cell_failures);
         out
     }
 }

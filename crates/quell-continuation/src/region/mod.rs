@@ -28,6 +28,7 @@ use crate::orbit::Orbit;
 use crate::problem::Problem;
 use crate::settings::{ContinuationError, Settings};
 
+use cell::Looked;
 use curves::Atlas;
 use rescaled::Rescaled;
 use rest::Rest;
@@ -196,8 +197,21 @@ pub fn region(
     };
     let mut diagrams = 0;
     let mut cells = Vec::new();
+    // What was seen in a point stays so when further curves cut its cell.
+    let mut seen: Vec<([f64; 2], Looked)> = Vec::new();
     for round in 0..=settings.rounds {
-        let faces = arrangement::faces(&atlas.polylines());
+        let mut faces = arrangement::faces(&atlas.polylines());
+        let again: Vec<Option<usize>> = faces
+            .iter_mut()
+            .map(|face| {
+                let place = seen.iter().position(|(at, _)| {
+                    arrangement::contains(&face.loops, *at)
+                        && arrangement::distance(&face.loops, *at, 0.0) >= NARROW
+                })?;
+                face.inside = seen[place].0;
+                Some(place)
+            })
+            .collect();
         // One after the other, so that what is followed from does not depend on the order of threads.
         let rests: Vec<Option<Vec<f64>>> = faces
             .iter()
@@ -206,22 +220,25 @@ pub fn region(
         let looked: Vec<_> = faces
             .par_iter()
             .zip(&rests)
-            .map(|(face, rest)| {
-                (face.clear >= NARROW)
+            .zip(&again)
+            .map(|((face, rest), again)| {
+                (again.is_none() && face.clear >= NARROW)
                     .then(|| cell::look(&square, face.inside, rest.as_deref(), &look))
             })
             .collect();
         diagrams += 2 * looked.iter().flatten().count();
-        let mut seeds = Vec::new();
         cells.clear();
-        atlas.cell_failures.clear();
-        for (face, looked) in faces.into_iter().zip(looked) {
-            let attractors = looked.map(|looked| {
-                seeds.extend(looked.seeds);
+        let mut seeds = Vec::new();
+        for ((face, looked), again) in faces.into_iter().zip(looked).zip(again) {
+            let place = again.or_else(|| {
+                let mut looked = looked?;
+                seeds.append(&mut looked.seeds);
                 atlas.odd |= looked.odd;
-                atlas.cell_failures.extend(looked.failed);
-                looked.attractors
+                atlas.failed(std::mem::take(&mut looked.failed));
+                seen.push((face.inside, looked));
+                Some(seen.len() - 1)
             });
+            let attractors = place.map(|place| seen[place].1.attractors.clone());
             cells.push((face, attractors));
         }
         let known = atlas.curves.len();

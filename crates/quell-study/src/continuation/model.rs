@@ -34,6 +34,8 @@ pub(super) struct Axis {
     pub(super) base: f64,
     /// Its range, SI.
     pub(super) range: (f64, f64),
+    /// Whether its lower end is left out.
+    pub(super) open: bool,
     /// Where it enters the system.
     entry: Entry,
 }
@@ -306,6 +308,7 @@ fn axis(
     };
     let mut places = Places::default();
     let mut range = None;
+    let mut open = false;
     let (mut unit, mut dimension, mut base) = own.map_or_else(
         || (String::new(), Dimension::NONE, f64::NAN),
         |own| {
@@ -356,6 +359,7 @@ fn axis(
             }
             (None, Some(known)) => {
                 // An end that is left out is approached, not met: what is marginal there stays away.
+                open = known.open;
                 let inset = if known.open {
                     OPEN * (known.to - known.from)
                 } else {
@@ -372,6 +376,7 @@ fn axis(
         dimension,
         base,
         range: range.ok_or_else(missing)?,
+        open,
         entry: Entry {
             host: index,
             places,

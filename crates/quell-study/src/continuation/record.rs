@@ -39,7 +39,7 @@ pub struct RegionResult {
 /// A part of the rectangle that no curve divides.
 #[derive(Debug, Clone, Serialize)]
 pub struct CellResult {
-    /// `R1`, `R2` …
+    /// `A1`, `A2` …
     pub name: String,
     /// What is stable, in words.
     pub label: String,

@@ -31,7 +31,7 @@ pub struct RegionFindings {
 /// A part of a rectangle that no curve divides.
 #[derive(Debug, Clone)]
 pub struct CellOutcome {
-    /// `R1`, `R2` …
+    /// `A1`, `A2` …
     pub name: String,
     /// What is stable, in words.
     pub label: String,
@@ -56,6 +56,8 @@ pub struct AttractorOutcome {
 
 /// What the label of a cell is that is too narrow to be looked at.
 const NARROW: &str = "not looked at";
+/// A cell that is smaller and not looked at is not listed, as a part of the rectangle.
+const SLIVER: f64 = 1e-4;
 
 impl RegionFindings {
     /// Parts of the rectangle by label, the largest first.
@@ -121,7 +123,14 @@ pub(super) fn followed(
     let [first, second] = model.axes() else {
         return none("a region is of two parameters".to_owned());
     };
-    let spans = [first, second].map(|axis| ParameterSpan::new(axis.range.0, axis.range.1));
+    // A range from nothing is no range of decades, however near its end is approached.
+    let spans = [first, second].map(|axis| {
+        let span = ParameterSpan::new(axis.range.0, axis.range.1);
+        ParameterSpan {
+            logarithmic: span.logarithmic && !axis.open,
+            ..span
+        }
+    });
     let states = model.system().states();
     let reach = states
         .iter()
@@ -147,7 +156,7 @@ pub(super) fn followed(
         Err(error) => return none(error.to_string()),
     };
     watcher.measuring();
-    let checks = checks(model, &found);
+    let mut checks = checks(model, &found);
     let mut notes: Vec<String> = found
         .failed
         .iter()
@@ -169,8 +178,20 @@ pub(super) fn followed(
         })
         .collect();
     let mut findings = reporter.findings(&members, "done".to_owned(), notes);
-    let cells = found.cells.into_iter().enumerate();
+    let (cells, narrow): (Vec<RegionCell>, Vec<RegionCell>) = found
+        .cells
+        .into_iter()
+        .partition(|cell| cell.attractors.is_some() || cell.area > SLIVER);
+    if !narrow.is_empty() {
+        let area: f64 = narrow.iter().map(|cell| cell.area).sum();
+        checks.push(format!(
+            "{} slivers between curves that nearly touch, together {area:.1e} of the rectangle, were not looked at and are not listed",
+            narrow.len()
+        ));
+    }
     let cells = cells
+        .into_iter()
+        .enumerate()
         .map(|(index, cell)| outcome(index, cell, &reporter, &findings.oscillations))
         .collect();
     findings.regions = Some(RegionFindings {
@@ -207,7 +228,7 @@ fn outcome(
         all
     });
     CellOutcome {
-        name: format!("R{}", index + 1),
+        name: format!("A{}", index + 1),
         label: attractors
             .as_ref()
             .map_or_else(|| NARROW.to_owned(), |all| label(all, names)),
