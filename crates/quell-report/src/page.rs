@@ -22,6 +22,8 @@ pub struct Page {
     pub problem: Problem,
     /// The tasks in the study's order.
     pub tasks: Vec<TaskSection>,
+    /// What several tasks found, side by side.
+    pub comparisons: Vec<Plot>,
 }
 
 /// A term and what it is.

@@ -37,6 +37,7 @@ pub fn page(study: &Study, outcome: &RunOutcome) -> Page {
             .iter()
             .map(|task| bridge.task(task, outcome))
             .collect(),
+        comparisons: bands::comparisons(outcome),
     }
 }
 

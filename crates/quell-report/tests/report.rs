@@ -170,6 +170,7 @@ fn page(designs: usize) -> Page {
         })
         .collect();
     Page {
+        comparisons: Vec::new(),
         title: NASTY.into(),
         subtitle: NASTY.into(),
         facts: vec![Fact::new(NASTY, NASTY)],

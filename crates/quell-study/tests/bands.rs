@@ -193,8 +193,7 @@ fn a_wheelset_hunts_from_the_speed_of_the_closed_form_on() {
         let (f11, f22, ky) = (1.1e7, 1.0e7, 2e5);
         let (a, b, c) = (2.0 * f22, 2.0 * f11 * s * s, 2.0 * f11 * cone * s / r);
         let square: f64 = (b * ky + a * kpsi) / (m * b + i * a);
-        let below =
-            m * i * square * square - (m * kpsi + i * ky) * square + ky * kpsi + a * c;
+        let below = m * i * square * square - (m * kpsi + i * ky) * square + ky * kpsi + a * c;
         (a * b * square / below).sqrt()
     };
     let study = gallery("wheelset.toml");

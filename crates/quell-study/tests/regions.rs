@@ -24,8 +24,8 @@ fn followed(study: &Study, task: &str) -> ContinuationFindings {
         threads: Some(2),
         tasks: vec![task.to_owned()],
     };
-    let outcome = quell_study::run(study, &settings, &Silent)
-        .unwrap_or_else(|error| panic!("{error}"));
+    let outcome =
+        quell_study::run(study, &settings, &Silent).unwrap_or_else(|error| panic!("{error}"));
     match &outcome.tasks[0].points[0].findings {
         Findings::Continuation(found) => {
             assert_eq!(found.status, "done");
@@ -126,6 +126,19 @@ fn the_plane_of_the_landing_gear_needs_no_hint() {
         .collect();
     crossings.sort_unstable();
     assert_eq!(crossings, ["HH1", "HH1", "HH2", "HH2"]);
+    // Section 10 of the recomputation: below 300 N m s/rad aside, no oscillation is born unstable.
+    let born = hopf.iter().flat_map(|curve| &curve.special);
+    assert!(born.clone().all(|one| one.kind != "GH"));
+    for label in ["HH1", "HH2"] {
+        let same: Vec<&Vec<f64>> = born
+            .clone()
+            .filter(|one| one.label == label)
+            .map(|one| &one.point.parameters)
+            .collect();
+        for (a, b) in same[0].iter().zip(same[1]) {
+            assert!((a / b - 1.0).abs() < 1e-6, "{label}: {a} and {b}");
+        }
+    }
     let mut torus: Vec<f64> = of(&found, "NS")
         .iter()
         .filter(|curve| curve.parent.is_some())
@@ -162,7 +175,10 @@ fn a_section_rests_or_flutters_between_folds_and_hopf_points() {
     let study = gallery("aeroelastic-section.toml");
     let found = followed(&study, "plane");
     let hopf = of(&found, "H");
-    let onset: Vec<f64> = hopf.iter().flat_map(|curve| passes(curve, 5006.7)).collect();
+    let onset: Vec<f64> = hopf
+        .iter()
+        .flat_map(|curve| passes(curve, 5006.7))
+        .collect();
     near(&onset, &[17.957_264_996], 1e-5);
     let critical: Vec<f64> = hopf
         .iter()
@@ -177,7 +193,7 @@ fn a_section_rests_or_flutters_between_folds_and_hopf_points() {
         .collect();
     near(&folds, &[14.660_123_947], 1e-3);
     let regions = found.regions.as_ref().unwrap();
-    assert_eq!(label(regions, [12.0, 5006.7]), "stable equilibrium");
+    assert_eq!(label(regions, [13.0, 5006.7]), "stable equilibrium");
     assert_eq!(
         label(regions, [16.0, 5006.7]),
         "bistable: stable equilibrium or oscillation"

@@ -26,7 +26,7 @@ use crate::equilibrium::check;
 use crate::kind::Kind;
 use crate::orbit::Orbit;
 use crate::problem::Problem;
-use crate::settings::{ContinuationError, Settings};
+use crate::settings::{ContinuationError, MeshSettings, Settings};
 
 use cell::Looked;
 use curves::Atlas;
@@ -139,6 +139,9 @@ pub struct Region {
 
 /// A cell whose furthest point is nearer than this to its boundary is not looked at, in the unit square.
 const NARROW: f64 = 1.5e-3;
+/// Tolerance and most intervals of the meshes of cycles in diagrams through cells.
+const LOOK: f64 = 1e-6;
+const INTERVALS: usize = 100;
 /// The step, the angle between tangents at which curves are drawn.
 const STEP: f64 = 0.02;
 const ANGLE: f64 = 0.1;
@@ -189,8 +192,17 @@ pub fn region(
     atlas.lines(settings);
     atlas.scan(settings);
     atlas.codimension_two();
+    let mesh = settings.branch.mesh;
     let look = DiagramSettings {
-        branch: settings.branch.clone(),
+        branch: Settings {
+            // Only the sign of a multiplier's distance is asked for.
+            mesh: MeshSettings {
+                tolerance: mesh.tolerance.max(LOOK),
+                bounds: (mesh.bounds.0, mesh.bounds.1.min(INTERVALS)),
+                ..mesh
+            },
+            ..settings.branch.clone()
+        },
         states: settings.reach.iter().map(|half| (-half, *half)).collect(),
         starts: settings.starts,
         depth: 2,

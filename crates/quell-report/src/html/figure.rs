@@ -20,11 +20,17 @@ fn listed(plot: &Plot) -> Vec<&Area> {
 
 /// A plot with its legend and caption; `id` is unique on the page.
 pub(super) fn figure(plot: &Plot, id: &str) -> Markup {
+    // What is shaded has two axes of equal standing.
+    let (broad, slim) = if plot.areas.is_empty() {
+        (360.0, 330.0)
+    } else {
+        (540.0, 400.0)
+    };
     html! {
         figure.plot {
             // Two renderings, because text in a scaled picture is unreadable on a phone; style shows one of them.
-            div.broad { (PreEscaped(plot.inline(880.0, 360.0, &format!("{id}-w")))) }
-            div.slim aria-hidden="true" { (PreEscaped(plot.inline(400.0, 330.0, &format!("{id}-n")))) }
+            div.broad { (PreEscaped(plot.inline(880.0, broad, &format!("{id}-w")))) }
+            div.slim aria-hidden="true" { (PreEscaped(plot.inline(400.0, slim, &format!("{id}-n")))) }
             ul.legend {
                 @for area in listed(plot) {
                     li {

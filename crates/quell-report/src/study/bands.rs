@@ -1,11 +1,12 @@
 //! Stable bands: what limits each and what was tested, and their edges over a sweep.
 
 use quell_study::band::BandResult;
-use quell_study::{Evaluated, TaskOutcome};
+use quell_study::{Evaluated, Findings, RunOutcome, TaskOutcome};
 
 use super::problem::evaluated;
 use crate::number::significant;
-use crate::plot::{Axis, Plot, Role, Series};
+use crate::number::unit;
+use crate::plot::{Axis, Mark, Plot, Role, Series};
 
 /// Digits of an edge.
 const DIGITS: usize = 6;
@@ -52,6 +53,81 @@ pub(super) fn words(task: &TaskOutcome) -> Vec<String> {
         ));
     }
     words
+}
+
+/// The widest bands of all configurations and best designs side by side, a picture for each criterion.
+pub(super) fn comparisons(outcome: &RunOutcome) -> Vec<Plot> {
+    // By criterion: its unit, and the widest band by name.
+    let mut found: Vec<(String, String, Vec<(String, BandResult)>)> = Vec::new();
+    for task in &outcome.tasks {
+        let [point] = task.points.as_slice() else {
+            continue;
+        };
+        let shown: Vec<(&String, &Evaluated)> = match &point.findings {
+            Findings::Evaluate(all) => all.iter().map(|one| (&one.name, one)).collect(),
+            Findings::Design(design) => {
+                let best = design.designs.first();
+                best.map(|best| (&task.name, &best.configuration))
+                    .into_iter()
+                    .collect()
+            }
+            _ => Vec::new(),
+        };
+        for (called, one) in shown {
+            for (criterion, detail) in &one.details {
+                let width = |band: &BandResult| band.upper - band.lower;
+                let widest = detail
+                    .bands
+                    .iter()
+                    .max_by(|a, b| width(a).total_cmp(&width(b)));
+                let Some(widest) = widest else { continue };
+                let own = (called.clone(), widest.clone());
+                match found.iter_mut().find(|known| known.0 == *criterion) {
+                    Some(known) => known.2.push(own),
+                    None => found.push((criterion.clone(), detail.unit.clone(), vec![own])),
+                }
+            }
+        }
+    }
+    found
+        .into_iter()
+        .filter(|(.., bands)| bands.len() > 1)
+        .map(|(criterion, shown, bands)| compared(&criterion, &shown, &bands))
+        .collect()
+}
+
+/// Bands of one criterion, each at the height of its width.
+fn compared(criterion: &str, shown: &str, bands: &[(String, BandResult)]) -> Plot {
+    let axis = |label: &str| Axis {
+        label: label.to_owned(),
+        unit: shown.to_owned(),
+        logarithmic: false,
+    };
+    Plot {
+        caption: format!(
+            "The widest stable band (`{criterion}`) of every configuration and best design: from its lower to its upper end, at the height of its width."
+        ),
+        x: axis("band"),
+        y: axis("width"),
+        series: bands
+            .iter()
+            .map(|(name, band)| {
+                let width = band.upper - band.lower;
+                Series {
+                    name: format!("{name}: {}\u{a0}{}", significant(width, 5), unit(shown)),
+                    role: Role::Design,
+                    points: vec![(band.lower, width), (band.upper, width)],
+                    markers: true,
+                    marks: vec![Mark {
+                        at: (band.upper, width),
+                        text: name.clone(),
+                    }],
+                    ..Series::default()
+                }
+            })
+            .collect(),
+        ..Plot::default()
+    }
 }
 
 /// Edges of bands over the first swept parameter, a picture for each criterion.

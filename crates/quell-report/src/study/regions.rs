@@ -65,7 +65,7 @@ pub(super) fn plot(found: &ContinuationFindings, regions: &RegionFindings) -> Pl
         (value(0), value(1))
     };
     let mut kinds: Vec<&str> = Vec::new();
-    let mut marked: Vec<String> = Vec::new();
+    let mut points: Vec<Mark> = Vec::new();
     let curves = found.branches.iter().map(|branch| {
         let (dashes, name) = drawn(branch.of);
         let unlisted = kinds.contains(&branch.of);
@@ -77,21 +77,66 @@ pub(super) fn plot(found: &ContinuationFindings, regions: &RegionFindings) -> Pl
             unlisted,
             ..series(branch, false, &place)
         };
-        // A point of codimension two lies on two curves and has one name.
-        own.marks.retain(|mark| !marked.contains(&mark.text));
-        marked.extend(own.marks.iter().map(|mark| mark.text.clone()));
+        points.append(&mut own.marks);
         own
     });
+    let mut series: Vec<Series> = curves.collect();
     let hues = hues(found, regions);
-    let areas = regions.cells.iter().map(|cell| area(cell, &hues)).collect();
+    let mut areas: Vec<Area> = regions.cells.iter().map(|cell| area(cell, &hues)).collect();
+    let ranges: Vec<(f64, f64)> = found.parameters.iter().map(|one| one.range).collect();
+    let cells = areas.iter_mut().filter_map(|area| area.mark.as_mut());
+    legible(&mut points, cells, &ranges, regions.logarithmic);
+    if let Some(first) = series.first_mut() {
+        first.marks = points;
+    }
     Plot {
         caption: "What is stable over two parameters: each part between curves was looked at in one point."
             .to_owned(),
         x: axis(0),
         y: axis(1),
-        series: curves.collect(),
+        series,
         areas,
         ..Plot::default()
+    }
+}
+
+/// Texts that would lie on others are left out: a point of codimension two lies on two curves, and resonances come close to each other.
+fn legible<'m>(
+    points: &mut Vec<Mark>,
+    cells: impl Iterator<Item = &'m mut Mark>,
+    ranges: &[(f64, f64)],
+    logarithmic: [bool; 2],
+) {
+    let part = |index: usize, value: f64| {
+        let (low, high) = ranges.get(index).copied().unwrap_or((0.0, 1.0));
+        if logarithmic.get(index).copied().unwrap_or(false) {
+            (value / low).ln() / (high / low).ln()
+        } else {
+            (value - low) / (high - low)
+        }
+    };
+    let place = |mark: &Mark| (part(0, mark.at.0), part(1, mark.at.1));
+    let mut taken: Vec<(f64, f64)> = Vec::new();
+    let mut free = |mark: &Mark| {
+        let (x, y) = place(mark);
+        let far = |known: &(f64, f64)| (known.0 - x).abs() > 0.045 || (known.1 - y).abs() > 0.045;
+        let free = taken.iter().all(far);
+        if free {
+            taken.push((x, y));
+        }
+        free
+    };
+    // Those of equilibria first: cells begin there.
+    points.sort_by_key(|mark| {
+        !["HH", "GH", "BT", "ZH", "CP"].iter().any(|code| {
+            let rest = mark.text.strip_prefix(code);
+            rest.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+        })
+    });
+    for mark in points.iter_mut().chain(cells) {
+        if !free(mark) {
+            mark.text.clear();
+        }
     }
 }
 
