@@ -111,8 +111,9 @@ fn main() {
     let outcome = quell_study::run(&study, &settings, &clock).unwrap_or_else(|e| panic!("{e}"));
     for (name, _, seconds) in clock.0.lock().unwrap().iter() {
         let task = outcome.tasks.iter().find(|task| task.name == *name);
-        let Some(Findings::Continuation(found)) =
-            task.and_then(|task| task.points.first()).map(|point| &point.findings)
+        let Some(Findings::Continuation(found)) = task
+            .and_then(|task| task.points.first())
+            .map(|point| &point.findings)
         else {
             continue;
         };

@@ -19,9 +19,13 @@ fn gallery(name: &str) -> Study {
 }
 
 fn followed(study: &Study, task: &str) -> ContinuationFindings {
+    followed_by(study, task, 2)
+}
+
+fn followed_by(study: &Study, task: &str, threads: usize) -> ContinuationFindings {
     let settings = RunSettings {
         seed: 1,
-        threads: Some(2),
+        threads: Some(threads),
         tasks: vec![task.to_owned()],
     };
     let outcome =
@@ -200,4 +204,36 @@ fn a_section_rests_or_flutters_between_folds_and_hopf_points() {
     );
     assert_eq!(label(regions, [18.5, 5006.7]), "oscillation");
     assert_eq!(label(regions, [16.0, 1.8e4]), "stable equilibrium");
+}
+
+/// The curve on which a wheelset begins to hunt has a closed form (A. H. Wickens, Fundamentals of Rail Vehicle Dynamics, 2003, ch. 3; see the
+/// host), and neither curve nor cells depend on the number of threads by a single bit.
+#[test]
+fn a_wheelset_runs_straight_or_hunts() {
+    let study = gallery("wheelset.toml");
+    let found = followed_by(&study, "plane", 1);
+    let hopf = of(&found, "H");
+    assert_eq!(hopf.len(), 1);
+    for point in &hopf[0].points {
+        let [speed, kpsi] = point.parameters[..] else {
+            panic!("a point of a plane has two parameters");
+        };
+        let (m, i, s, r, cone) = (1022.0, 678.0, 0.716, 0.4572, 0.05);
+        let (f11, f22, ky) = (1.1e7, 1.0e7, 2e5);
+        let (a, b, c) = (2.0 * f22, 2.0 * f11 * s * s, 2.0 * f11 * cone * s / r);
+        let square: f64 = (b * ky + a * kpsi) / (m * b + i * a);
+        let below = m * i * square * square - (m * kpsi + i * ky) * square + ky * kpsi + a * c;
+        let critical = (a * b * square / below).sqrt();
+        // Newton's method converges to 1e-10 of the ranges.
+        assert!((speed / critical - 1.0).abs() < 1e-7, "{speed} {kpsi}");
+    }
+    let regions = found.regions.as_ref().unwrap();
+    assert_eq!(label(regions, [40.0, 2e4]), "oscillation");
+    assert_eq!(label(regions, [70.0, 5e6]), "stable equilibrium");
+    let again = followed_by(&study, "plane", 2);
+    let files = |found: &ContinuationFindings| -> Vec<(String, String)> {
+        let all = found.files();
+        all.map(|(name, text)| (name.to_owned(), text)).collect()
+    };
+    assert_eq!(files(&found), files(&again));
 }

@@ -246,7 +246,12 @@ pub fn region(
                 let mut looked = looked?;
                 seeds.append(&mut looked.seeds);
                 atlas.odd |= looked.odd;
-                atlas.failed(std::mem::take(&mut looked.failed));
+                let place = square.parameters(&face.inside);
+                let told = looked.failed.drain(..).map(|(what, error)| {
+                    let what = format!("{what} of the diagrams through {place:?}");
+                    (what, error)
+                });
+                atlas.failed(told.collect());
                 seen.push((face.inside, looked));
                 Some(seen.len() - 1)
             });
