@@ -152,7 +152,7 @@ pub(super) fn plots(task: &TaskOutcome) -> Vec<Plot> {
     criteria
         .map(|(name, detail)| Plot {
             caption: format!(
-                "Stable bands (`{name}`) over `{}`: each pair of curves is the lower and the upper end of a band.",
+                "Stable bands (`{name}`) over `{}`: each pair of curves is the lower and the upper end of a band; they end where an island splits it.",
                 axis.name
             ),
             x: Axis {
@@ -182,7 +182,7 @@ fn series(task: &TaskOutcome, criterion: &str) -> Vec<Series> {
     };
     let all: Vec<Vec<BandResult>> = (0..task.points.len()).map(bands).collect();
     let most = all.iter().map(Vec::len).max().unwrap_or(0);
-    let mut series = Vec::new();
+    let mut series = events(task, criterion, &all);
     for band in 0..most {
         for (side, name) in [(0, "lower"), (1, "upper")] {
             let points = task
@@ -197,6 +197,7 @@ fn series(task: &TaskOutcome, criterion: &str) -> Vec<Series> {
                     (x, y)
                 })
                 .collect();
+            let points = broken(points, &splits(task, criterion));
             series.push(Series {
                 name: if most > 1 {
                     format!("{name} end, band {}", band + 1)
@@ -211,4 +212,56 @@ fn series(task: &TaskOutcome, criterion: &str) -> Vec<Series> {
         }
     }
     series
+}
+
+/// Where along the sweep an island begins or ceases to split a band.
+fn splits(task: &TaskOutcome, criterion: &str) -> Vec<f64> {
+    let islands = task
+        .events
+        .iter()
+        .filter(|event| event.criterion == criterion && event.what.starts_with("island"));
+    islands.map(|event| event.value).collect()
+}
+
+/// A curve that is not drawn across these places.
+fn broken(points: Vec<(f64, f64)>, at: &[f64]) -> Vec<(f64, f64)> {
+    let mut found: Vec<(f64, f64)> = Vec::with_capacity(points.len() + at.len());
+    for point in points {
+        let before = found.last().map_or(f64::NAN, |last| last.0);
+        let between = |value: &&f64| (**value - before) * (**value - point.0) < 0.0;
+        if let Some(value) = at.iter().find(between) {
+            found.push((*value, f64::NAN));
+        }
+        found.push(point);
+    }
+    found
+}
+
+/// A line at every event of the sweep, with its name.
+fn events(task: &TaskOutcome, criterion: &str, all: &[Vec<BandResult>]) -> Vec<Series> {
+    let ends = all
+        .iter()
+        .flatten()
+        .flat_map(|band| [band.lower, band.upper]);
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), end| {
+        (low.min(end), high.max(end))
+    });
+    let own = task
+        .events
+        .iter()
+        .filter(|event| event.criterion == criterion);
+    own.map(|event| Series {
+        name: format!(
+            "{}, {} = {}",
+            event.what,
+            event.parameter,
+            significant(event.value, DIGITS)
+        ),
+        role: Role::Design,
+        points: vec![(event.value, low), (event.value, high)],
+        hue: Some(0),
+        dashes: Some("3 3"),
+        ..Series::default()
+    })
+    .collect()
 }

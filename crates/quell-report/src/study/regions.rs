@@ -133,7 +133,12 @@ fn legible<'m>(
             rest.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
         })
     });
-    for mark in points.iter_mut().chain(cells) {
+    for mark in points.iter_mut() {
+        if !free(mark) {
+            mark.text.clear();
+        }
+    }
+    for mark in cells {
         if !free(mark) {
             mark.text.clear();
         }
