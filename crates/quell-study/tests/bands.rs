@@ -204,7 +204,7 @@ fn a_wheelset_hunts_from_the_speed_of_the_closed_form_on() {
         panic!("an evaluate task evaluates");
     };
     let plain = &configurations["plain"];
-    let speed = plain.criteria["speeds"].unwrap();
+    let speed = plain.criteria["speeds"];
     assert!((speed / critical(1e6) - 1.0).abs() < 1e-9, "{speed}");
     // Stiffer yaw springs make it faster: the softest for 80 m/s by bisection of the closed form.
     let (mut low, mut high) = (1e4_f64, 1e7_f64);
@@ -216,6 +216,6 @@ fn a_wheelset_hunts_from_the_speed_of_the_closed_form_on() {
             high = middle;
         }
     }
-    let springs = plain.criteria["springs"].unwrap();
+    let springs = plain.criteria["springs"];
     assert!((springs / low - 1.0).abs() < 1e-9, "{springs} for {low}");
 }
