@@ -27,7 +27,7 @@ fn counts(region: &Region) -> Vec<(f64, usize, usize)> {
         .cells
         .iter()
         .map(|cell| {
-            let all = cell.attractors.as_ref().expect("no cell is narrow");
+            let all = cell.attractors.as_ref().unwrap();
             let cycles = all.iter().filter(|one| matches!(one, Attractor::Cycle(_)));
             let cycles = cycles.count();
             (cell.area, all.len() - cycles, cycles)
