@@ -17,7 +17,7 @@ pub struct ContinuationResult {
     pub branches: Vec<BranchResult>,
     /// region: the parts of the rectangle.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub regions: Option<RegionResult>,
+    pub regions: Option<Box<RegionResult>>,
     /// What could not be followed, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -157,11 +157,13 @@ pub(crate) fn record(
             .iter()
             .map(|one| branch(found, one))
             .collect(),
-        regions: found.regions.as_ref().map(|regions| RegionResult {
-            file: regions.file.clone(),
-            areas: regions.areas().into_iter().collect(),
-            cells: regions.cells.iter().map(|one| cell(found, one)).collect(),
-            checks: regions.checks.clone(),
+        regions: found.regions.as_ref().map(|regions| {
+            Box::new(RegionResult {
+                file: regions.file.clone(),
+                areas: regions.areas().into_iter().collect(),
+                cells: regions.cells.iter().map(|one| cell(found, one)).collect(),
+                checks: regions.checks.clone(),
+            })
         }),
         notes: found.notes.clone(),
     }
