@@ -7,7 +7,8 @@
 //!   go round an angle and subharmonics among them, by collocation on meshes that adapt; [`cycles_doubled`] and [`cycles_across`] switch.
 //! - [`fold_curve`], [`hopf_curve`] and [`cycle_curve`] follow their special points in two parameters, [`torus_from_hopf_hopf`] and
 //!   [`fold_from_generalised_hopf`] the curves of cycles that leave points of codimension two.
-//! - [`diagram`] finds starts and follows what branches off.
+//! - [`diagram`] finds starts and follows what branches off; [`region`] divides a rectangle of two parameters by what is stable in its
+//!   parts, and finds the curves by itself.
 //!
 //! Every branch says why it ended ([`Stop`]), every special point how sure it is ([`Certainty`]) and how far off it may be; [`Kind`] states
 //! how coefficients of normal forms are scaled.
@@ -49,6 +50,7 @@ mod monitor;
 mod orbit;
 mod path;
 mod problem;
+mod region;
 mod settings;
 
 pub use band::{
@@ -70,4 +72,7 @@ pub use orbit::{
     cycles_from_pair, cycles_from_samples,
 };
 pub use problem::{Closure, Problem};
+pub use region::{
+    Attractor, CurveSolutions, Region, RegionCell, RegionCurve, RegionSettings, region,
+};
 pub use settings::{ContinuationError, Directions, Interrupt, MeshSettings, Settings, Stop};

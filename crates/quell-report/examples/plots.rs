@@ -40,6 +40,7 @@ fn main() -> std::io::Result<()> {
             resonance("k1 | c1 + b1", Role::Design, 6.0, 0.25),
         ],
         limits: vec![("allowed".into(), 5.0)],
+        areas: Vec::new(),
     };
     let path = std::env::args().nth(1).unwrap_or_else(|| "plot.svg".into());
     std::fs::write(path, plot.standalone(760.0, 420.0))

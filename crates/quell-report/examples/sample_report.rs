@@ -194,6 +194,7 @@ fn response(designs: &[(&str, Peaks)]) -> Plot {
         },
         series,
         limits: Vec::new(),
+        areas: Vec::new(),
     }
 }
 
@@ -448,6 +449,7 @@ fn main() -> Result<(), Failure> {
     .map(String::from)
     .to_vec();
     let page = Page {
+        comparisons: Vec::new(),
         title: "Which fluid passageways for this isolator?".into(),
         subtitle: "A mass on a fluid-filled isolator above a shaking base: what should the passageway between its two chambers look like?".into(),
         facts: vec![

@@ -34,6 +34,7 @@ impl Page {
                     }
                     main {
                         (contents(&self.tasks))
+                        @for (index, plot) in self.comparisons.iter().enumerate() { (figure::figure(plot, &format!("comparison-{index}"))) }
                         (problem::section(&self.problem))
                         @for (index, section) in self.tasks.iter().enumerate() {
                             (task::section(section, index))

@@ -22,6 +22,8 @@ pub struct Page {
     pub problem: Problem,
     /// The tasks in the study's order.
     pub tasks: Vec<TaskSection>,
+    /// What several tasks found, side by side.
+    pub comparisons: Vec<Plot>,
 }
 
 /// A term and what it is.
@@ -202,6 +204,8 @@ pub enum TaskKind {
     Curve,
     /// Every branch that can be found.
     Diagram,
+    /// A rectangle of two parameters, divided by what is stable.
+    Region,
 }
 
 impl TaskKind {
@@ -213,6 +217,7 @@ impl TaskKind {
             Self::Branch => "branch",
             Self::Curve => "curve",
             Self::Diagram => "diagram",
+            Self::Region => "region",
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use kuva::backend::svg::SvgBackend;
-use kuva::plot::{LegendPosition, LinePlot, LineStyle, ScatterPlot};
+use kuva::plot::{BandPlot, LegendPosition, LinePlot, LineStyle, ScatterPlot};
 use kuva::render::annotations::{ReferenceLine, TextAnnotation};
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot as Layer;
@@ -26,6 +26,21 @@ pub struct Plot {
     pub series: Vec<Series>,
     /// Horizontal lines, such as a constraint's bound: text and height.
     pub limits: Vec<(String, f64)>,
+    /// Shaded areas under the curves.
+    pub areas: Vec<Area>,
+}
+
+/// A shaded area.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Area {
+    /// What it stands for in the legend; areas of one name have one entry.
+    pub name: String,
+    /// Its place in the palette, from 1; 0 for none.
+    pub hue: usize,
+    /// Loops of its boundary: the outer one counter-clockwise, those of holes clockwise.
+    pub loops: Vec<Vec<(f64, f64)>>,
+    /// A text in it, and where.
+    pub mark: Option<Mark>,
 }
 
 /// An axis.
@@ -56,6 +71,12 @@ pub struct Series {
     pub unstable: Vec<bool>,
     /// Points with a name.
     pub marks: Vec<Mark>,
+    /// Its place in the palette, from 1; 0 for ink. Unless given, the next one.
+    pub hue: Option<usize>,
+    /// Dashes, as of SVG.
+    pub dashes: Option<&'static str>,
+    /// Another series has its entry in the legend.
+    pub unlisted: bool,
 }
 
 /// A point with a name.
@@ -129,13 +150,13 @@ impl Plot {
                     }
                 }
                 Role::Design => {
-                    designs += 1;
+                    let place = series.hue.unwrap_or_else(|| {
+                        designs += 1;
+                        designs
+                    });
                     Stroke {
-                        colour: DESIGNS
-                            .get((designs - 1) % DESIGNS.len())
-                            .copied()
-                            .unwrap_or(INK),
-                        dashes: None,
+                        colour: colour(place),
+                        dashes: series.dashes,
                     }
                 }
             })
@@ -203,6 +224,21 @@ impl Plot {
 
     fn render(&self, width: f64, height: f64, legend: bool, id: &str) -> String {
         let mut layers: Vec<Layer> = Vec::new();
+        let mut listed: Vec<&str> = Vec::new();
+        for area in self.areas.iter().filter(|area| area.hue > 0) {
+            let outline = outline(&area.loops);
+            let (x, y): (Vec<f64>, Vec<f64>) = outline.into_iter().unzip();
+            // The plotting crate shades down to a second curve: here that is the first point alone.
+            let back: Vec<f64> = y.iter().take(1).copied().collect();
+            let mut band = BandPlot::new(x, back, y)
+                .with_color(colour(area.hue))
+                .with_opacity(SHADE);
+            if legend && !listed.contains(&area.name.as_str()) {
+                listed.push(&area.name);
+                band = band.with_legend(plain(&area.name));
+            }
+            layers.push(band.into());
+        }
         let mut drawn: Vec<_> = self.series.iter().zip(self.strokes()).collect();
         if !legend {
             // Designs go over references, and the first of them over the others; a legend in the picture keeps their order.
@@ -234,7 +270,7 @@ impl Plot {
                 if let Some(dashes) = stroke.dashes.or(unstable.then_some(UNSTABLE_DASHES)) {
                     line = line.with_line_style(LineStyle::Custom(dashes.to_owned()));
                 }
-                if legend && index == 0 {
+                if legend && index == 0 && !series.unlisted {
                     line = line.with_legend(plain(&series.name));
                 }
                 layers.push(line.into());
@@ -266,6 +302,11 @@ impl Plot {
             .series
             .iter()
             .flat_map(|series| series.points.iter().copied().chain(series.peak))
+            .chain(
+                self.areas
+                    .iter()
+                    .flat_map(|area| area.loops.iter().flatten().copied()),
+            )
             .filter(|point| self.visible(*point))
             .collect();
         if shown.is_empty() {
@@ -353,10 +394,13 @@ impl Plot {
         if self.y.logarithmic {
             layout = layout.with_log_y();
             if low < high {
+                let room = if self.areas.is_empty() { 1.15 } else { 1.0 };
                 layout = layout
-                    .with_y_axis_min(low / 1.15)
-                    .with_y_axis_max(high * 1.15);
+                    .with_y_axis_min(low / room)
+                    .with_y_axis_max(high * room);
             }
+        } else if !self.areas.is_empty() {
+            layout = layout.with_y_axis_min(low).with_y_axis_max(high);
         } else {
             // A response that comes near zero is shown from zero, so that heights can be compared by eye.
             let near_zero = low >= 0.0 && low < 0.4 * high;
@@ -376,7 +420,8 @@ impl Plot {
                 .with_y_axis_min(bottom)
                 .with_y_axis_max(high + 0.06 * spread);
         }
-        for mark in self.series.iter().flat_map(|series| &series.marks) {
+        let named = self.areas.iter().filter_map(|area| area.mark.as_ref());
+        for mark in named.chain(self.series.iter().flat_map(|series| &series.marks)) {
             if self.visible(mark.at) {
                 layout = layout.with_annotation(
                     TextAnnotation::new(plain(&mark.text), mark.at.0, mark.at.1)
@@ -398,6 +443,31 @@ impl Plot {
         }
         layout
     }
+}
+
+/// The colour of a place in the palette.
+pub(crate) fn colour(hue: usize) -> &'static str {
+    let place = hue.checked_sub(1);
+    place
+        .and_then(|place| DESIGNS.get(place % DESIGNS.len()).copied())
+        .unwrap_or(INK)
+}
+
+/// How much of its colour an area has.
+pub(crate) const SHADE: f64 = 0.3;
+
+/// One outline: holes hang on the outer loop by seams of no width, and run the other way round.
+fn outline(loops: &[Vec<(f64, f64)>]) -> Vec<(f64, f64)> {
+    let mut all = Vec::new();
+    let Some((outer, holes)) = loops.split_first() else {
+        return all;
+    };
+    all.extend(outer.iter().copied().chain(outer.first().copied()));
+    for hole in holes {
+        all.extend(hole.iter().copied().chain(hole.first().copied()));
+        all.extend(outer.first().copied());
+    }
+    all
 }
 
 fn titled(axis: &Axis) -> String {

@@ -5,6 +5,7 @@ mod branches;
 mod device;
 mod front;
 mod problem;
+mod regions;
 mod task;
 mod words;
 
@@ -36,6 +37,7 @@ pub fn page(study: &Study, outcome: &RunOutcome) -> Page {
             .iter()
             .map(|task| bridge.task(task, outcome))
             .collect(),
+        comparisons: bands::comparisons(outcome),
     }
 }
 

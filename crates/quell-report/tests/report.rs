@@ -128,6 +128,7 @@ fn plot() -> Plot {
             },
         ],
         limits: vec![("allowed".into(), 50.0), ("none".into(), f64::NAN)],
+        areas: Vec::new(),
     }
 }
 
@@ -169,6 +170,7 @@ fn page(designs: usize) -> Page {
         })
         .collect();
     Page {
+        comparisons: Vec::new(),
         title: NASTY.into(),
         subtitle: NASTY.into(),
         facts: vec![Fact::new(NASTY, NASTY)],

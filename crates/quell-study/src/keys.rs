@@ -366,29 +366,33 @@ pub const CRITERION: KeySet = KeySet {
 /// `[[tasks]]`.
 pub const TASK: KeySet = KeySet {
     title: "Task",
-    documentation: "What is asked: `evaluate` given configurations; `design`: the best values of candidate layouts, ranked; `branch`: equilibria or cycles followed in one parameter, with their special points; `curve`: special points followed in two; `diagram`: every branch in one parameter that can be found.",
+    documentation: "What is asked: `evaluate` given configurations; `design`: the best values of candidate layouts, ranked; `branch`: equilibria or cycles followed in one parameter, with their special points; `curve`: special points followed in two; `diagram`: every branch in one parameter that can be found; `region`: a rectangle of two parameters divided by what is stable in its parts.",
     keys: &[
         Key::required("name", Shape::Text, "Unique name of the task."),
         Key::required(
             "kind",
-            Shape::Choice(&["evaluate", "design", "branch", "curve", "diagram"]),
+            Shape::Choice(&["evaluate", "design", "branch", "curve", "diagram", "region"]),
             "What is asked.",
         ),
         Key::optional(
             "configuration",
             Shape::AnyOf(&[Shape::MapOf(&Shape::Anything), Shape::Text]),
-            "branch, curve, diagram: a layout for each slot and the values, `{ damper = \"k1 | c1\", k1 = \"…\", c1 = \"…\" }`, or the name of a configuration of an `evaluate` task above. Unless given, that of the task at which it starts, or no device.",
+            "branch, curve, diagram, region: a layout for each slot and the values, `{ damper = \"k1 | c1\", k1 = \"…\", c1 = \"…\" }`, or the name of a configuration of an `evaluate` task above. Unless given, that of the task at which it starts, or no device.",
         ),
         Key::optional(
             "parameter",
             Shape::Text,
             "branch, diagram: what is followed: a parameter of the host, or a value of the configuration (of an element `c1`, of a component `track1.dL`, of a nonlinear element `gas.n`).",
         ),
-        Key::optional("parameters", TEXTS, "curve: the two parameters."),
+        Key::optional(
+            "parameters",
+            TEXTS,
+            "curve, region: the two parameters; of a region the first one runs along the abscissa.",
+        ),
         Key::optional(
             "ranges",
             Shape::MapOf(&Shape::List(&Shape::Amount)),
-            "branch, curve, diagram: `[lower, upper]` by parameter; unless given that of the task at which it starts, or of `[operating]` of the host.",
+            "branch, curve, diagram, region: `[lower, upper]` by parameter; unless given that of the task at which it starts, or of `[operating]` of the host.",
         ),
         Key::optional(
             "start",
@@ -403,7 +407,12 @@ pub const TASK: KeySet = KeySet {
         Key::optional(
             "measures",
             Shape::MapOf(&Shape::AnyOf(&[Shape::Expression, Shape::Table(&MEASURE)])),
-            "branch, curve, diagram: numbers taken from every solution, by name: arithmetic over `max(s)`, `min(s)`, `mean(s)`, `rms(s)`, `amplitude(s)` (half of the swing) of any signal s: over the period of a cycle, at an equilibrium its value.",
+            "branch, curve, diagram, region: numbers taken from every solution, by name: arithmetic over `max(s)`, `min(s)`, `mean(s)`, `rms(s)`, `amplitude(s)` (half of the swing) of any signal s: over the period of a cycle, at an equilibrium its value.",
+        ),
+        Key::optional(
+            "oscillations",
+            Shape::MapOf(&Shape::Expression),
+            "branch, curve, diagram, region: names of oscillations, each with a number as in `measures`; all of one dimension. A cycle has the name of the largest: `{ torsion = \"max(abs(p))\", bending = \"max(abs(d))\" }`.",
         ),
         Key::optional(
             "cycles",
@@ -418,17 +427,17 @@ pub const TASK: KeySet = KeySet {
         Key::optional(
             "points",
             Shape::Integer,
-            "branch, curve, diagram: most points in each direction; 400 unless given.",
+            "branch, curve, diagram, region: most points in each direction; 400 unless given.",
         ),
         Key::optional(
             "mesh_tolerance",
             Shape::Number,
-            "branch, curve, diagram: estimated error that the mesh of a cycle holds, relative to the cycle's size; 1e-8 unless given.",
+            "branch, curve, diagram, region: estimated error that the mesh of a cycle holds, relative to the cycle's size; 1e-8 unless given.",
         ),
         Key::optional(
             "longest_period",
             Shape::Amount,
-            "branch, curve, diagram: a branch of cycles ends beyond this period.",
+            "branch, curve, diagram, region: a branch of cycles ends beyond this period.",
         ),
         Key::optional(
             "period",

@@ -51,7 +51,7 @@ pub struct EngineFacts {
 /// The result of one task.
 #[derive(Debug, Clone, Serialize)]
 pub struct TaskResult {
-    /// `evaluate`, `design`, `branch`, `curve` or `diagram`.
+    /// `evaluate`, `design`, `branch`, `curve`, `diagram` or `region`.
     pub kind: &'static str,
     /// `done`, `infeasible` where no design meets the constraints, or why nothing was found.
     pub status: String,

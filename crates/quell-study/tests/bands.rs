@@ -182,3 +182,40 @@ fn best_springs_over_inerters() {
         );
     }
 }
+
+/// A. H. Wickens, Fundamentals of Rail Vehicle Dynamics (2003), ch. 3: the speed at which a wheelset of two degrees of freedom begins to hunt,
+/// from the Hurwitz determinant; with a = 2 f22, b = 2 f11 s², c = 2 f11 cone s/r: ω² = (b ky + a kψ)/(m b + I a),
+/// V² = a b ω²/(m I ω⁴ - (m kψ + I ky) ω² + ky kψ + a c). Tolerance: that of located edges.
+#[test]
+fn a_wheelset_hunts_from_the_speed_of_the_closed_form_on() {
+    let critical = |kpsi: f64| {
+        let (m, i, s, r, cone) = (1022.0, 678.0, 0.716, 0.4572, 0.05);
+        let (f11, f22, ky) = (1.1e7, 1.0e7, 2e5);
+        let (a, b, c) = (2.0 * f22, 2.0 * f11 * s * s, 2.0 * f11 * cone * s / r);
+        let square: f64 = (b * ky + a * kpsi) / (m * b + i * a);
+        let below = m * i * square * square - (m * kpsi + i * ky) * square + ky * kpsi + a * c;
+        (a * b * square / below).sqrt()
+    };
+    let study = gallery("wheelset.toml");
+    let results = run(&study, &["springs alone"]);
+    let TaskBody::Single(TaskFindings::Evaluate { configurations }) =
+        &results.tasks["springs alone"].body
+    else {
+        panic!("an evaluate task evaluates");
+    };
+    let plain = &configurations["plain"];
+    let speed = plain.criteria["speeds"];
+    assert!((speed / critical(1e6) - 1.0).abs() < 1e-9, "{speed}");
+    // Stiffer yaw springs make it faster: the softest for 80 m/s by bisection of the closed form.
+    let (mut low, mut high) = (1e4_f64, 1e7_f64);
+    for _ in 0..200 {
+        let middle = (low * high).sqrt();
+        if critical(middle) < 80.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let springs = plain.criteria["springs"];
+    assert!((springs / low - 1.0).abs() < 1e-9, "{springs} for {low}");
+}

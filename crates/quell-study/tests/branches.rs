@@ -202,39 +202,6 @@ fn flutter_begins_subcritically_and_a_fold_of_cycles_precedes_it() {
     assert!([fold.stop.backward, fold.stop.forward].contains(&"vanished"));
 }
 
-/// Curves of Hopf points of the gear's first damper: both points at which torsion and bending begin at once are found on both
-/// curves, to the tolerance of their location; below 300 rad/s nothing becomes subcritical (section 10 of the source's recomputation).
-#[test]
-fn hopf_curves_of_the_gear_cross_twice() {
-    let study = gallery("zero-shimmy.toml");
-    let tasks = [
-        "L1 36000",
-        "L1 2000",
-        "L1 Hopf curve of torsion",
-        "L1 Hopf curve of bending",
-        "L1 lower Hopf curve of torsion",
-    ];
-    let results = run(&study, 2, &tasks);
-    let crossings = |task: &str| {
-        let branch = &found(&results, task).branches[0];
-        assert_eq!(branch.of, "H");
-        assert!(points(branch, "GH").is_empty());
-        let mut both: Vec<(f64, f64)> = points(branch, "HH")
-            .iter()
-            .map(|one| (one.parameters["V"], one.parameters["cd"]))
-            .collect();
-        both.sort_by(|a, b| a.0.total_cmp(&b.0));
-        both
-    };
-    let torsion = crossings("L1 Hopf curve of torsion");
-    let bending = crossings("L1 Hopf curve of bending");
-    assert_eq!(torsion.len(), 2);
-    for ((v, c), (other_v, other_c)) in torsion.iter().zip(&bending) {
-        assert!((v / other_v - 1.0).abs() < 1e-6 && (c / other_c - 1.0).abs() < 1e-6);
-    }
-    assert!(crossings("L1 lower Hopf curve of torsion").is_empty());
-}
-
 /// x'' + 2ζx' + x + x³ = F cos Ωt with ζ = 0.05, F = 0.2: folds at Ω = 1.5224481367 and 1.2520149905 (AUTO-07p, EPSL = EPSU = 1e-9,
 /// parameters to 1e-6 relative). The amplitude and the frequency of a harmonic input are parameters like any other.
 #[test]

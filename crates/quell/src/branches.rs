@@ -1,9 +1,9 @@
-//! Branches, curves and diagrams as text for a terminal: a table of special points.
+//! Branches, curves, diagrams and regions as text for a terminal: a table of special points.
 
 use std::fmt::Write as _;
 
 use quell_report::number::{significant, unit};
-use quell_study::continuation::{BranchOutcome, BranchPoint, ContinuationFindings};
+use quell_study::continuation::{BranchOutcome, BranchPoint, ContinuationFindings, RegionFindings};
 
 use crate::table::{Table, wrap};
 
@@ -43,11 +43,39 @@ pub(crate) fn text(
     if !found.branches.is_empty() {
         text.push_str(&table(found).text(2, width));
     }
+    if let Some(regions) = &found.regions {
+        text.push_str(&cells(found, regions).text(2, width));
+        for check in &regions.checks {
+            for line in wrap(&format!("tested: {check}"), width - 2) {
+                let _ = writeln!(text, "  {line}");
+            }
+        }
+    }
     for note in &found.notes {
         for line in wrap(note, width - 2) {
             let _ = writeln!(text, "  {line}");
         }
     }
+}
+
+/// The parts of a rectangle.
+fn cells(found: &ContinuationFindings, regions: &RegionFindings) -> Table {
+    let mut heading = vec!["cell".to_owned(), "what is stable".to_owned()];
+    heading.extend(
+        found
+            .parameters
+            .iter()
+            .map(|one| format!("at {}", one.name)),
+    );
+    heading.push("part [%]".to_owned());
+    let mut table = Table::new(heading, 2);
+    for cell in &regions.cells {
+        let mut row = vec![cell.name.clone(), cell.label.clone()];
+        row.extend(cell.at.iter().map(|value| significant(*value, 4)));
+        row.push(significant(100.0 * cell.area, 3));
+        table.row(row, Vec::new());
+    }
+    table
 }
 
 fn table(found: &ContinuationFindings) -> Table {
@@ -94,11 +122,14 @@ fn table(found: &ContinuationFindings) -> Table {
             ));
         }
         for at in &branch.at {
-            let stability = if at.unstable == 0 {
+            let mut stability = if at.unstable == 0 {
                 "stable".to_owned()
             } else {
                 format!("{} unstable", at.unstable)
             };
+            if let Some(name) = found.oscillation(at) {
+                let _ = write!(stability, ", {name}");
+            }
             rows.push((f64::INFINITY, row(found, "at", at, stability)));
         }
         for (_, cells) in rows {

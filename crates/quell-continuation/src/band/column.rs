@@ -44,6 +44,8 @@ pub(super) struct Column {
     /// Whether the equilibrium exists over all of q.
     pub(super) complete: bool,
     pub(super) ridges: Vec<Ridge>,
+    /// About where an eigenvalue passes the axis: its position and value.
+    pub(super) passes: Vec<(f64, Complex64)>,
 }
 
 /// Pairs of eigenvalues of two samples (im ≥ 0 at either), matched where their tangents meet.
@@ -100,6 +102,7 @@ impl<L: Linearisation> Sampler<'_, L> {
             stable: true,
             complete: true,
             ridges: Vec::new(),
+            passes: Vec::new(),
         };
         if self.q.is_none() {
             self.point(&mut column);
@@ -131,6 +134,7 @@ impl<L: Linearisation> Sampler<'_, L> {
                 }
                 column.stable &= from.growth() < 0.0 && to.growth() < 0.0;
                 self.crests(&mut column, &matched, &from, width);
+                passes(&mut column, &matched, from.s, width);
                 if let Some(next) = ahead.pop() {
                     from = next;
                 }
@@ -253,7 +257,19 @@ impl Column {
         self.stable = false;
         self.complete = false;
         self.ridges.clear();
+        self.passes.clear();
         self
+    }
+}
+
+/// Zeros of the real parts between two samples, about.
+fn passes(column: &mut Column, matched: &[(Mode, Mode)], from: f64, width: f64) {
+    for pair in matched {
+        let own = cubic(pair, width);
+        for t in own.zeros() {
+            let value = pair.0.value * (1.0 - t) + pair.1.value * t;
+            column.passes.push((from + t * width, value));
+        }
     }
 }
 

@@ -84,6 +84,33 @@ impl Cubic {
         0.5 * (low + high)
     }
 
+    /// All zeros in (0, 1), by bisection between its ends and stationary points.
+    pub(super) fn zeros(&self) -> Vec<f64> {
+        let mut parts: Vec<f64> = std::iter::once(0.0)
+            .chain(self.stationary())
+            .chain([1.0])
+            .collect();
+        parts.sort_by(f64::total_cmp);
+        let mut found = Vec::new();
+        for pair in parts.windows(2) {
+            let (mut low, mut high) = (pair[0], pair[1]);
+            let rises = self.value(high) > 0.0;
+            if (self.value(low) > 0.0) == rises {
+                continue;
+            }
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                if (self.value(middle) > 0.0) == rises {
+                    high = middle;
+                } else {
+                    low = middle;
+                }
+            }
+            found.push(0.5 * (low + high));
+        }
+        found
+    }
+
     /// How far the two tangents are apart in the middle: of third order in the length of the interval.
     pub(super) fn mismatch(&self) -> f64 {
         (self.ends[0] + 0.5 * self.slopes[0] - self.ends[1] + 0.5 * self.slopes[1]).abs()
@@ -107,5 +134,21 @@ mod tests {
         assert!((cubic.highest().1 - f(crest)).abs() < 1e-14);
         assert!((cubic.lowest().0 - (1.0 - crest)).abs() < 1e-14);
         assert!((cubic.value(0.3) - f(0.3)).abs() < 1e-14);
+    }
+
+    /// (t - 0.2) (t - 0.5) (t - 0.9) has its zeros where it says, to the bisection's 2^-40.
+    #[test]
+    fn all_zeros_of_a_known_cubic() {
+        let f = |t: f64| (t - 0.2) * (t - 0.5) * (t - 0.9);
+        let slope = |t: f64| 3.0 * t * t - 3.2 * t + 0.73;
+        let cubic = Cubic {
+            ends: [f(0.0), f(1.0)],
+            slopes: [slope(0.0), slope(1.0)],
+        };
+        let zeros = cubic.zeros();
+        assert_eq!(zeros.len(), 3);
+        for (found, known) in zeros.iter().zip([0.2, 0.5, 0.9]) {
+            assert!((found - known).abs() < 1e-11);
+        }
     }
 }

@@ -12,6 +12,7 @@
 //! second order in the position along the ridge, and leaves the edge as exact as the eigenvalue itself.
 
 mod column;
+mod crossings;
 mod hermite;
 mod locate;
 mod sample;
@@ -19,6 +20,7 @@ mod scan;
 
 use num_complex::Complex64;
 
+pub(crate) use crossings::crossings;
 pub use scan::stable_bands;
 
 use crate::dense::{eigenvalues, eigenvector, left_eigenvector};
@@ -121,6 +123,26 @@ impl ParameterSpan {
             (value / self.from).ln() / (self.to / self.from).ln()
         } else {
             (value - self.from) / (self.to - self.from)
+        }
+    }
+
+    /// The value at any part: beyond the ends the scale goes on as it is.
+    pub(crate) fn beyond(&self, part: f64) -> f64 {
+        if (0.0..=1.0).contains(&part) {
+            self.value(part)
+        } else if self.logarithmic {
+            self.from * (self.to / self.from).powf(part)
+        } else {
+            self.from + part * (self.to - self.from)
+        }
+    }
+
+    /// Its derivative.
+    pub(crate) fn slope_beyond(&self, part: f64) -> f64 {
+        if self.logarithmic {
+            self.beyond(part) * (self.to / self.from).ln()
+        } else {
+            self.to - self.from
         }
     }
 

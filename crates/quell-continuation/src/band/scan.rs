@@ -62,9 +62,9 @@ struct Scan<'s, 'l, L> {
 }
 
 /// A ridge between two columns.
-struct Span {
-    cubic: Cubic,
-    error: f64,
+pub(super) struct Span {
+    pub(super) cubic: Cubic,
+    pub(super) error: f64,
     from: Ridge,
     to: Ridge,
 }
@@ -85,7 +85,7 @@ impl Span {
     }
 
     /// The largest height that there may be.
-    fn highest(&self) -> f64 {
+    pub(super) fn highest(&self) -> f64 {
         self.parts()
             .map(|t| self.height(t))
             .map(|(height, error)| height + error)
@@ -101,7 +101,7 @@ impl Span {
     }
 
     /// Position in q and eigenvalue at a part of the interval.
-    fn at(&self, t: f64) -> (f64, Complex64) {
+    pub(super) fn at(&self, t: f64) -> (f64, Complex64) {
         let s = self.from.s + t * (self.to.s - self.from.s);
         let value = self.from.mode.value * (1.0 - t) + self.to.mode.value * t;
         (s, Complex64::new(self.cubic.value(t), value.im))
@@ -109,7 +109,7 @@ impl Span {
 }
 
 /// Ridges of two columns matched where their tangents meet, and those that are left at either.
-fn spans(a: &Column, b: &Column) -> (Vec<Span>, Vec<Ridge>, Vec<Ridge>) {
+pub(super) fn spans(a: &Column, b: &Column) -> (Vec<Span>, Vec<Ridge>, Vec<Ridge>) {
     let width = b.u - a.u;
     let mut costs = Vec::new();
     for (i, one) in a.ridges.iter().enumerate() {

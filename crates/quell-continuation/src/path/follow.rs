@@ -131,7 +131,10 @@ pub(crate) fn follow_both<M: Manifold>(
     if let Some(start) = wanted {
         forward.at.insert(0, start);
     }
-    let backward = if settings.directions == Directions::Forward || along {
+    let backward = if forward.stop == Stop::Closed {
+        // The other way round would be the same again.
+        empty(&node, Stop::Closed)
+    } else if settings.directions == Directions::Forward || along {
         empty(&node, Stop::NotAsked)
     } else {
         let mut back = node;

@@ -26,6 +26,7 @@ mod diagrams;
 mod equilibria;
 mod meshes;
 mod normal_forms;
+mod region;
 mod rotations;
 
 /// Relative agreement.

@@ -427,6 +427,7 @@ fn sweep_plots(task: &TaskSection) -> Vec<Plot> {
                 },
                 series,
                 limits: Vec::new(),
+                areas: Vec::new(),
             }
         })
         .collect()

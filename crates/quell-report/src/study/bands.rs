@@ -1,11 +1,12 @@
 //! Stable bands: what limits each and what was tested, and their edges over a sweep.
 
 use quell_study::band::BandResult;
-use quell_study::{Evaluated, TaskOutcome};
+use quell_study::{Evaluated, Findings, RunOutcome, TaskOutcome};
 
 use super::problem::evaluated;
 use crate::number::significant;
-use crate::plot::{Axis, Plot, Role, Series};
+use crate::number::unit;
+use crate::plot::{Axis, Mark, Plot, Role, Series};
 
 /// Digits of an edge.
 const DIGITS: usize = 6;
@@ -54,6 +55,81 @@ pub(super) fn words(task: &TaskOutcome) -> Vec<String> {
     words
 }
 
+/// The widest bands of all configurations and best designs side by side, a picture for each criterion.
+pub(super) fn comparisons(outcome: &RunOutcome) -> Vec<Plot> {
+    // By criterion: its unit, and the widest band by name.
+    let mut found: Vec<(String, String, Vec<(String, BandResult)>)> = Vec::new();
+    for task in &outcome.tasks {
+        let [point] = task.points.as_slice() else {
+            continue;
+        };
+        let shown: Vec<(&String, &Evaluated)> = match &point.findings {
+            Findings::Evaluate(all) => all.iter().map(|one| (&one.name, one)).collect(),
+            Findings::Design(design) => {
+                let best = design.designs.first();
+                best.map(|best| (&task.name, &best.configuration))
+                    .into_iter()
+                    .collect()
+            }
+            _ => Vec::new(),
+        };
+        for (called, one) in shown {
+            for (criterion, detail) in &one.details {
+                let width = |band: &BandResult| band.upper - band.lower;
+                let widest = detail
+                    .bands
+                    .iter()
+                    .max_by(|a, b| width(a).total_cmp(&width(b)));
+                let Some(widest) = widest else { continue };
+                let own = (called.clone(), widest.clone());
+                match found.iter_mut().find(|known| known.0 == *criterion) {
+                    Some(known) => known.2.push(own),
+                    None => found.push((criterion.clone(), detail.unit.clone(), vec![own])),
+                }
+            }
+        }
+    }
+    found
+        .into_iter()
+        .filter(|(.., bands)| bands.len() > 1)
+        .map(|(criterion, shown, bands)| compared(&criterion, &shown, &bands))
+        .collect()
+}
+
+/// Bands of one criterion, each at the height of its width.
+fn compared(criterion: &str, shown: &str, bands: &[(String, BandResult)]) -> Plot {
+    let axis = |label: &str| Axis {
+        label: label.to_owned(),
+        unit: shown.to_owned(),
+        logarithmic: false,
+    };
+    Plot {
+        caption: format!(
+            "The widest stable band (`{criterion}`) of every configuration and best design: from its lower to its upper end, at the height of its width."
+        ),
+        x: axis("band"),
+        y: axis("width"),
+        series: bands
+            .iter()
+            .map(|(name, band)| {
+                let width = band.upper - band.lower;
+                Series {
+                    name: format!("{name}: {}\u{a0}{}", significant(width, 5), unit(shown)),
+                    role: Role::Design,
+                    points: vec![(band.lower, width), (band.upper, width)],
+                    markers: true,
+                    marks: vec![Mark {
+                        at: (band.upper, width),
+                        text: name.clone(),
+                    }],
+                    ..Series::default()
+                }
+            })
+            .collect(),
+        ..Plot::default()
+    }
+}
+
 /// Edges of bands over the first swept parameter, a picture for each criterion.
 pub(super) fn plots(task: &TaskOutcome) -> Vec<Plot> {
     let Some(first) = task.points.first().filter(|_| task.points.len() > 1) else {
@@ -76,7 +152,7 @@ pub(super) fn plots(task: &TaskOutcome) -> Vec<Plot> {
     criteria
         .map(|(name, detail)| Plot {
             caption: format!(
-                "Stable bands (`{name}`) over `{}`: each pair of curves is the lower and the upper end of a band.",
+                "Stable bands (`{name}`) over `{}`: each pair of curves is the lower and the upper end of a band; they end where an island splits it.",
                 axis.name
             ),
             x: Axis {
@@ -91,6 +167,7 @@ pub(super) fn plots(task: &TaskOutcome) -> Vec<Plot> {
             },
             series: series(task, name),
             limits: Vec::new(),
+            areas: Vec::new(),
         })
         .collect()
 }
@@ -105,7 +182,7 @@ fn series(task: &TaskOutcome, criterion: &str) -> Vec<Series> {
     };
     let all: Vec<Vec<BandResult>> = (0..task.points.len()).map(bands).collect();
     let most = all.iter().map(Vec::len).max().unwrap_or(0);
-    let mut series = Vec::new();
+    let mut series = events(task, criterion, &all);
     for band in 0..most {
         for (side, name) in [(0, "lower"), (1, "upper")] {
             let points = task
@@ -120,6 +197,7 @@ fn series(task: &TaskOutcome, criterion: &str) -> Vec<Series> {
                     (x, y)
                 })
                 .collect();
+            let points = broken(points, &splits(task, criterion));
             series.push(Series {
                 name: if most > 1 {
                     format!("{name} end, band {}", band + 1)
@@ -134,4 +212,56 @@ fn series(task: &TaskOutcome, criterion: &str) -> Vec<Series> {
         }
     }
     series
+}
+
+/// Where along the sweep an island begins or ceases to split a band.
+fn splits(task: &TaskOutcome, criterion: &str) -> Vec<f64> {
+    let islands = task
+        .events
+        .iter()
+        .filter(|event| event.criterion == criterion && event.what.starts_with("island"));
+    islands.map(|event| event.value).collect()
+}
+
+/// A curve that is not drawn across these places.
+fn broken(points: Vec<(f64, f64)>, at: &[f64]) -> Vec<(f64, f64)> {
+    let mut found: Vec<(f64, f64)> = Vec::with_capacity(points.len() + at.len());
+    for point in points {
+        let before = found.last().map_or(f64::NAN, |last| last.0);
+        let between = |value: &&f64| (**value - before) * (**value - point.0) < 0.0;
+        if let Some(value) = at.iter().find(between) {
+            found.push((*value, f64::NAN));
+        }
+        found.push(point);
+    }
+    found
+}
+
+/// A line at every event of the sweep, with its name.
+fn events(task: &TaskOutcome, criterion: &str, all: &[Vec<BandResult>]) -> Vec<Series> {
+    let ends = all
+        .iter()
+        .flatten()
+        .flat_map(|band| [band.lower, band.upper]);
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), end| {
+        (low.min(end), high.max(end))
+    });
+    let own = task
+        .events
+        .iter()
+        .filter(|event| event.criterion == criterion);
+    own.map(|event| Series {
+        name: format!(
+            "{}, {} = {}",
+            event.what,
+            event.parameter,
+            significant(event.value, DIGITS)
+        ),
+        role: Role::Design,
+        points: vec![(event.value, low), (event.value, high)],
+        hue: Some(0),
+        dashes: Some("3 3"),
+        ..Series::default()
+    })
+    .collect()
 }

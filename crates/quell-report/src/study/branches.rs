@@ -1,4 +1,4 @@
-//! Branches, curves and diagrams: a picture for each measure, and a table of special points.
+//! Branches, curves, diagrams and regions: a picture for each measure or of both parameters, and a table of special points.
 
 use quell_study::continuation::{
     BranchOutcome, BranchPoint, ContinuationFindings, Follows, MeasureHead,
@@ -17,6 +17,7 @@ pub(super) const fn kind(found: &ContinuationFindings) -> TaskKind {
         Follows::Branch => TaskKind::Branch,
         Follows::Curve => TaskKind::Curve,
         Follows::Diagram => TaskKind::Diagram,
+        Follows::Region => TaskKind::Region,
     }
 }
 
@@ -30,6 +31,9 @@ pub(super) fn plots(found: &ContinuationFindings) -> Vec<Plot> {
         unit: first.unit.clone(),
         logarithmic: false,
     };
+    if let Some(regions) = &found.regions {
+        return vec![super::regions::plot(found, regions)];
+    }
     if let (Follows::Curve, Some(second)) = (found.follows, found.parameters.get(1)) {
         let (low, high) = second.range;
         let place = |point: &BranchPoint| {
@@ -51,7 +55,7 @@ pub(super) fn plots(found: &ContinuationFindings) -> Vec<Plot> {
                 .iter()
                 .map(|branch| series(branch, false, &place))
                 .collect(),
-            limits: Vec::new(),
+            ..Plot::default()
         }];
     }
     let over = |head: &MeasureHead, index: usize| {
@@ -74,9 +78,9 @@ pub(super) fn plots(found: &ContinuationFindings) -> Vec<Plot> {
             series: found
                 .branches
                 .iter()
-                .map(|branch| series(branch, true, &place))
+                .flat_map(|branch| pieces(found, branch, &place))
                 .collect(),
-            limits: Vec::new(),
+            ..Plot::default()
         }
     };
     found
@@ -87,8 +91,54 @@ pub(super) fn plots(found: &ContinuationFindings) -> Vec<Plot> {
         .collect()
 }
 
+/// A branch in the colours of its oscillations: equilibria in ink, cycles in the colour of their name.
+fn pieces(
+    found: &ContinuationFindings,
+    branch: &BranchOutcome,
+    place: &dyn Fn(&BranchPoint) -> (f64, f64),
+) -> Vec<Series> {
+    let whole = series(branch, true, place);
+    if found.oscillations.is_empty() {
+        return vec![whole];
+    }
+    let mut names = Vec::with_capacity(whole.points.len());
+    for (index, point) in branch.points.iter().enumerate() {
+        names.push(point.oscillation);
+        let special = branch.special.iter().filter(|one| one.after == index);
+        names.extend(special.map(|one| one.point.oscillation));
+    }
+    let mut found_pieces: Vec<Series> = Vec::new();
+    let mut known = Vec::new();
+    let mut from = 0;
+    while from < names.len() {
+        let own = names.get(from).copied().flatten();
+        let same = names.iter().skip(from).take_while(|one| **one == own);
+        let end = from + same.count();
+        // Pieces share the point at which the name changes.
+        let until = (end + 1).min(names.len());
+        let called = own.and_then(|index| found.oscillations.get(index));
+        found_pieces.push(Series {
+            name: called.map_or_else(
+                || whole.name.clone(),
+                |called| format!("{}: {called}", name(branch)),
+            ),
+            points: whole.points.get(from..until).unwrap_or_default().to_vec(),
+            unstable: whole.unstable.get(from..until).unwrap_or_default().to_vec(),
+            hue: Some(own.map_or(0, |index| index + 1)),
+            unlisted: known.contains(&own),
+            ..Series::default()
+        });
+        known.push(own);
+        from = end;
+    }
+    if let Some(first) = found_pieces.first_mut() {
+        first.marks = whole.marks;
+    }
+    found_pieces
+}
+
 /// A branch with its special points among the others.
-fn series(
+pub(super) fn series(
     branch: &BranchOutcome,
     stability: bool,
     place: &dyn Fn(&BranchPoint) -> (f64, f64),
@@ -154,6 +204,10 @@ pub(super) fn table(found: &ContinuationFindings) -> PointTable {
             .iter()
             .map(|one| headed(&one.name, &one.unit)),
     );
+    let named = !found.oscillations.is_empty();
+    if named {
+        heading.push("oscillation".to_owned());
+    }
     heading.push("unstable".to_owned());
     let row = |branch: &BranchOutcome, label: &str, point: &BranchPoint, stability: String| {
         let mut cells = vec![branch.id.clone(), label.to_owned()];
@@ -166,6 +220,9 @@ pub(super) fn table(found: &ContinuationFindings) -> PointTable {
         );
         let measured = found.measures.iter().zip(&point.measures);
         cells.extend(measured.map(|(head, value)| significant(value / head.factor, DIGITS)));
+        if named {
+            cells.push(found.oscillation(point).unwrap_or_default().to_owned());
+        }
         cells.push(stability);
         cells
     };
@@ -212,6 +269,9 @@ pub(super) fn words(found: &ContinuationFindings) -> Vec<String> {
         .collect();
     if !ends.is_empty() {
         words.push(format!("{}.", ends.join("; ")));
+    }
+    if let Some(regions) = &found.regions {
+        words.extend(super::regions::words(found, regions));
     }
     words.extend(found.notes.iter().cloned());
     words

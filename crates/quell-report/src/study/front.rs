@@ -91,6 +91,7 @@ impl Bridge<'_> {
                     y: self.axis(findings, second),
                     series,
                     limits: Vec::new(),
+                    areas: Vec::new(),
                 }
             })
             .collect()

@@ -694,6 +694,7 @@ fn picture(plot: &quell_study::Plot, caption: &str, series: Vec<Series>) -> Plot
         },
         series,
         limits: Vec::new(),
+        areas: Vec::new(),
     }
 }
 

@@ -15,6 +15,8 @@ pub enum Follows {
     Curve,
     /// Everything that can be found in one parameter.
     Diagram,
+    /// A rectangle of two parameters, divided by what is stable.
+    Region,
 }
 
 impl Follows {
@@ -25,11 +27,12 @@ impl Follows {
             Self::Branch => "branch",
             Self::Curve => "curve",
             Self::Diagram => "diagram",
+            Self::Region => "region",
         }
     }
 }
 
-/// A task of kind `branch`, `curve` or `diagram`.
+/// A task of kind `branch`, `curve`, `diagram` or `region`.
 #[derive(Debug, Clone)]
 pub struct ContinuationTask {
     /// What is followed.
@@ -46,6 +49,8 @@ pub struct ContinuationTask {
     pub at: Vec<Amount>,
     /// Numbers taken from every solution.
     pub measures: IndexMap<String, Measure>,
+    /// By name of an oscillation the measure that is largest where it has that name.
+    pub oscillations: IndexMap<String, Measure>,
     /// branch: whether cycles born at Hopf points are followed too.
     pub cycles: bool,
     /// diagram: how often branches of branches are followed.

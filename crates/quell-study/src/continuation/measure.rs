@@ -24,6 +24,7 @@ pub(super) struct Compiled {
     /// Unit in which people read it, and its size in SI.
     pub(super) unit: String,
     pub(super) factor: f64,
+    pub(super) dimension: Dimension,
     arithmetic: Expression,
     readings: Vec<(Reading, Dimension)>,
     /// It names parameters of the host outside calls.
@@ -209,10 +210,39 @@ pub(super) fn compiled(
         name: name.to_owned(),
         unit,
         factor,
+        dimension: found.dimension,
         arithmetic: found.arithmetic,
         readings,
         names,
     })
+}
+
+/// Whether two measures by which oscillations are named can be compared.
+///
+/// # Errors
+/// Where their dimensions differ.
+pub(super) fn comparable(
+    study: &Study,
+    first: &Compiled,
+    other: &Compiled,
+    typed: &Measure,
+) -> Result<(), Fault> {
+    let (a, b) = (first.dimension, other.dimension);
+    if a.accepts(&b) || b.accepts(&a) {
+        return Ok(());
+    }
+    Err(Fault::at(
+        &study.source,
+        typed.value.span,
+        format!(
+            "`{}` is {} and `{}` is {}, so it cannot be said which is larger",
+            first.name,
+            crate::amount::described(a),
+            other.name,
+            crate::amount::described(b)
+        ),
+    )
+    .help("bring them to one dimension: with a lever arm, `\"0.75 m*max(abs(d))\"`, or by what is much, `\"max(abs(x))/(1 mm)\"`"))
 }
 
 /// Parameters of the host at a point, and the statistics in a measure.

@@ -1,4 +1,4 @@
-//! Branches of equilibria and cycles, curves of their special points, diagrams: the tasks `branch`, `curve`, `diagram`.
+//! Branches of equilibria and cycles, curves of their special points, diagrams, regions: the tasks `branch`, `curve`, `diagram`, `region`.
 
 mod ask;
 mod field;
@@ -8,6 +8,7 @@ mod model;
 mod moving;
 mod outcome;
 mod record;
+mod region;
 mod report;
 mod settled;
 mod solve;
@@ -20,7 +21,11 @@ pub use outcome::{
     BranchOutcome, BranchPoint, ContinuationFindings, FreeParameter, MeasureHead, SpecialPoint,
 };
 pub(crate) use record::record;
-pub use record::{AtResult, BranchResult, ContinuationResult, SpecialResult, StopResult};
+pub use record::{
+    AtResult, AttractorResult, BranchResult, CellResult, ContinuationResult, RegionResult,
+    SpecialResult, StopResult,
+};
+pub use region::{AttractorOutcome, CellOutcome, RegionFindings};
 pub(crate) use solve::{Solved, solve};
 pub(crate) use watch::Watcher;
 
@@ -64,6 +69,12 @@ pub(crate) fn check(
         .map(|(name, _)| name.as_str())
         .collect();
     let states = model.states().len();
+    if task.follows == Follows::Region {
+        return Ok(format!(
+            "divides the plane of {} by what is stable ({states} states)",
+            names.join(" and ")
+        ));
+    }
     Ok(format!(
         "follows a {} in {} ({states} states)",
         task.follows.kind(),

@@ -34,6 +34,8 @@ pub(super) struct Axis {
     pub(super) base: f64,
     /// Its range, SI.
     pub(super) range: (f64, f64),
+    /// Whether its lower end is left out.
+    pub(super) open: bool,
     /// Where it enters the system.
     entry: Entry,
 }
@@ -69,7 +71,10 @@ pub(super) struct Model {
     axes: Vec<Axis>,
     free: Moving<Built>,
     forcing: Option<Forcing>,
+    /// Measures that are shown, then those by which oscillations are named.
     pub(super) measures: Vec<Compiled>,
+    /// How many are shown.
+    pub(super) shown: usize,
     pub(super) devices: Vec<BuiltDevice>,
 }
 
@@ -83,7 +88,7 @@ impl Model {
         situation: &Situation,
         spec: &ConfigurationSpec,
         wanted: &[Wanted],
-        measures: &IndexMap<String, Measure>,
+        (measures, oscillations): (&IndexMap<String, Measure>, &IndexMap<String, Measure>),
         period: Option<&Amount>,
     ) -> Result<Self, Fault> {
         let written = situation.equations()?;
@@ -95,10 +100,16 @@ impl Model {
         let built = configuration::built(study, situation, spec)?;
         let devices = built.system_devices(study, &host)?;
         let watching = Watching::new(&host, &devices);
-        let compiled = measures
-            .iter()
-            .map(|(name, measure)| measure::compiled(study, situation, &watching, name, measure))
-            .collect::<Result<Vec<_>, _>>()?;
+        let mut compiled = Vec::with_capacity(measures.len() + oscillations.len());
+        for (name, measure) in measures.iter().chain(oscillations) {
+            let one = measure::compiled(study, situation, &watching, name, measure)?;
+            if compiled.len() > measures.len()
+                && let Some(first) = compiled.get(measures.len())
+            {
+                measure::comparable(study, first, &one, measure)?;
+            }
+            compiled.push(one);
+        }
         let place = wanted.first().map_or(spec.span, |one| one.span);
         let system = watching
             .system()
@@ -133,6 +144,7 @@ impl Model {
             slopes,
             forcing,
             measures: compiled,
+            shown: measures.len(),
             devices: shown,
             host,
         })
@@ -296,6 +308,7 @@ fn axis(
     };
     let mut places = Places::default();
     let mut range = None;
+    let mut open = false;
     let (mut unit, mut dimension, mut base) = own.map_or_else(
         || (String::new(), Dimension::NONE, f64::NAN),
         |own| {
@@ -346,6 +359,7 @@ fn axis(
             }
             (None, Some(known)) => {
                 // An end that is left out is approached, not met: what is marginal there stays away.
+                open = known.open;
                 let inset = if known.open {
                     OPEN * (known.to - known.from)
                 } else {
@@ -362,6 +376,7 @@ fn axis(
         dimension,
         base,
         range: range.ok_or_else(missing)?,
+        open,
         entry: Entry {
             host: index,
             places,

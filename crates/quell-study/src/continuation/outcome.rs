@@ -1,4 +1,4 @@
-//! What branches, curves and diagrams found.
+//! What branches, curves, diagrams and regions found.
 
 use std::fmt::Write as _;
 
@@ -20,8 +20,12 @@ pub struct ContinuationFindings {
     pub devices: Vec<BuiltDevice>,
     /// Names of the states.
     pub states: Vec<String>,
+    /// Names of oscillations.
+    pub oscillations: Vec<String>,
     /// The branches.
     pub branches: Vec<BranchOutcome>,
+    /// The parts of the rectangle of a region.
+    pub regions: Option<super::RegionFindings>,
     /// What could not be followed, and why.
     pub notes: Vec<String>,
 }
@@ -82,6 +86,8 @@ pub struct BranchPoint {
     pub unstable: usize,
     /// Measures, SI.
     pub measures: Vec<f64>,
+    /// Which of the named oscillations a cycle is.
+    pub oscillation: Option<usize>,
     /// The state of an equilibrium; empty for cycles.
     pub state: Vec<f64>,
 }
@@ -130,6 +136,9 @@ impl ContinuationFindings {
         for measure in &self.measures {
             let _ = write!(text, ",{}", quoted(&measure.name));
         }
+        if !self.oscillations.is_empty() {
+            text.push_str(",oscillation");
+        }
         let with_states = branch.points.iter().any(|point| !point.state.is_empty());
         if with_states {
             for state in &self.states {
@@ -151,12 +160,20 @@ impl ContinuationFindings {
             number(point.period);
             number(point.omega);
             let _ = write!(text, ",{}", point.unstable);
-            for value in point.measures.iter().chain(&point.state) {
-                text.push(',');
-                if value.is_finite() {
-                    let _ = write!(text, "{value:?}");
+            let numbers = |text: &mut String, values: &[f64]| {
+                for value in values {
+                    text.push(',');
+                    if value.is_finite() {
+                        let _ = write!(text, "{value:?}");
+                    }
                 }
+            };
+            numbers(&mut text, &point.measures);
+            if !self.oscillations.is_empty() {
+                text.push(',');
+                text.push_str(&quoted(self.oscillation(point).unwrap_or_default()));
             }
+            numbers(&mut text, &point.state);
             text.push('\n');
         };
         for (index, point) in branch.points.iter().enumerate() {
@@ -168,10 +185,22 @@ impl ContinuationFindings {
         text
     }
 
-    /// The files of all branches: name and text.
+    /// The name of the oscillation that a point is, where it is one and there are names.
+    #[must_use]
+    pub fn oscillation(&self, point: &BranchPoint) -> Option<&str> {
+        let name = self.oscillations.get(point.oscillation?)?;
+        Some(name)
+    }
+
+    /// The files of all branches, and of the cells of a region: name and text.
     pub fn files(&self) -> impl Iterator<Item = (&str, String)> {
+        let cells = self.regions.iter().map(|regions| {
+            let names = self.parameters.iter().map(|one| one.name.as_str());
+            (regions.file.as_str(), regions.csv(names))
+        });
         self.branches
             .iter()
             .map(|branch| (branch.file.as_str(), self.csv(branch)))
+            .chain(cells)
     }
 }

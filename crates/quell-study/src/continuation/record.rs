@@ -1,11 +1,12 @@
-//! Branches, curves and diagrams in `results.json`.
+//! Branches, curves, diagrams and regions in `results.json`.
 
 use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::outcome::{BranchOutcome, BranchPoint, ContinuationFindings, SpecialPoint};
+use super::region::{AttractorOutcome, CellOutcome};
 
-/// What a task of kind `branch`, `curve` or `diagram` found.
+/// What a task of kind `branch`, `curve`, `diagram` or `region` found.
 #[derive(Debug, Clone, Serialize)]
 pub struct ContinuationResult {
     /// Names of the free parameters.
@@ -14,9 +15,54 @@ pub struct ContinuationResult {
     pub devices: IndexMap<String, crate::results::DeviceResult>,
     /// The branches.
     pub branches: Vec<BranchResult>,
+    /// region: the parts of the rectangle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub regions: Option<Box<RegionResult>>,
     /// What could not be followed, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
+}
+
+/// A rectangle of two parameters, divided by what is stable in its parts.
+#[derive(Debug, Clone, Serialize)]
+pub struct RegionResult {
+    /// The file of the boundaries of cells, beside `results.json`.
+    pub file: String,
+    /// Part of the rectangle by what is stable there, on the scales of the ranges.
+    pub areas: IndexMap<String, f64>,
+    /// The cells, from the largest to the smallest.
+    pub cells: Vec<CellResult>,
+    /// How curves and cells were found, in words: tested is not proven.
+    pub checks: Vec<String>,
+}
+
+/// A part of the rectangle that no curve divides.
+#[derive(Debug, Clone, Serialize)]
+pub struct CellResult {
+    /// `A1`, `A2` …
+    pub name: String,
+    /// What is stable, in words.
+    pub label: String,
+    /// Where that was looked at, SI.
+    pub at: IndexMap<String, f64>,
+    /// Its part of the rectangle, on the scales of the ranges.
+    pub area: f64,
+    /// What was found stable; null where the cell is too narrow to be looked at.
+    pub attractors: Option<Vec<AttractorResult>>,
+}
+
+/// A stable solution.
+#[derive(Debug, Clone, Serialize)]
+pub struct AttractorResult {
+    /// `equilibrium` or `cycle`.
+    pub of: &'static str,
+    /// The name of the oscillation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub oscillation: Option<String>,
+    /// Period of a cycle, s.
+    pub period_s: Option<f64>,
+    /// By name, SI.
+    pub measures: IndexMap<String, f64>,
 }
 
 /// A branch or curve.
@@ -67,6 +113,9 @@ pub struct SpecialResult {
     pub unstable: [usize; 2],
     /// Coefficients of the normal form by name.
     pub normal_form: IndexMap<&'static str, f64>,
+    /// The name of the oscillation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub oscillation: Option<String>,
     /// By name, SI.
     pub measures: IndexMap<String, f64>,
     /// Uncertainty of the parameter, SI.
@@ -82,6 +131,9 @@ pub struct AtResult {
     pub parameters: IndexMap<String, f64>,
     /// Period of a cycle, s.
     pub period_s: Option<f64>,
+    /// The name of the oscillation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub oscillation: Option<String>,
     /// By name, SI.
     pub measures: IndexMap<String, f64>,
     /// Whether it is stable.
@@ -105,7 +157,35 @@ pub(crate) fn record(
             .iter()
             .map(|one| branch(found, one))
             .collect(),
+        regions: found.regions.as_ref().map(|regions| {
+            Box::new(RegionResult {
+                file: regions.file.clone(),
+                areas: regions.areas().into_iter().collect(),
+                cells: regions.cells.iter().map(|one| cell(found, one)).collect(),
+                checks: regions.checks.clone(),
+            })
+        }),
         notes: found.notes.clone(),
+    }
+}
+
+fn cell(found: &ContinuationFindings, one: &CellOutcome) -> CellResult {
+    let attractor = |one: &AttractorOutcome| AttractorResult {
+        of: one.of,
+        oscillation: found.oscillation(&one.point).map(str::to_owned),
+        period_s: one.point.period,
+        measures: measures(found, &one.point),
+    };
+    let names = found.parameters.iter().map(|one| one.name.clone());
+    CellResult {
+        name: one.name.clone(),
+        label: one.label.clone(),
+        at: names.zip(one.at).collect(),
+        area: one.area,
+        attractors: one
+            .attractors
+            .as_ref()
+            .map(|all| all.iter().map(attractor).collect()),
     }
 }
 
@@ -140,6 +220,7 @@ fn branch(found: &ContinuationFindings, one: &BranchOutcome) -> BranchResult {
             .map(|point| AtResult {
                 parameters: parameters(found, point),
                 period_s: point.period,
+                oscillation: found.oscillation(point).map(str::to_owned),
                 measures: measures(found, point),
                 stable: point.unstable == 0,
             })
@@ -157,6 +238,7 @@ fn special(found: &ContinuationFindings, one: &SpecialPoint) -> SpecialResult {
         second_omega: one.second_omega,
         unstable: one.unstable,
         normal_form: one.normal_form.iter().copied().collect(),
+        oscillation: found.oscillation(&one.point).map(str::to_owned),
         measures: measures(found, &one.point),
         error: one.error,
         status: if one.located { "located" } else { "unresolved" },

@@ -53,6 +53,7 @@ impl Reporter<'_> {
                 .model
                 .measures
                 .iter()
+                .take(self.model.shown)
                 .map(|measure| MeasureHead {
                     name: measure.name.clone(),
                     unit: measure.unit.clone(),
@@ -61,7 +62,15 @@ impl Reporter<'_> {
                 .collect(),
             devices: self.model.devices.clone(),
             states: self.model.states(),
+            oscillations: self
+                .model
+                .measures
+                .iter()
+                .skip(self.model.shown)
+                .map(|measure| measure.name.clone())
+                .collect(),
             branches: members.iter().map(|member| self.branch(member)).collect(),
+            regions: None,
             notes,
         }
     }
@@ -104,15 +113,25 @@ impl Reporter<'_> {
         }
     }
 
-    fn point<S: Solution>(&self, solution: &S, unstable: usize) -> BranchPoint {
+    pub(super) fn point<S: Solution>(&self, solution: &S, unstable: usize) -> BranchPoint {
         let free = solution.parameters();
         let parameters = self.model.parameters(free);
+        let mut measures = solution.measured(self, &parameters);
+        let naming = measures.split_off(self.model.shown.min(measures.len()));
+        let largest = naming
+            .iter()
+            .enumerate()
+            .filter(|(_, value)| value.is_finite())
+            .max_by(|a, b| a.1.total_cmp(b.1));
         BranchPoint {
             parameters: free.iter().take(self.shown()).copied().collect(),
             period: solution.period(),
             omega: solution.omega(),
             unstable,
-            measures: solution.measured(self, &parameters),
+            measures,
+            oscillation: largest
+                .map(|(index, _)| index)
+                .filter(|_| solution.period().is_some()),
             state: solution.state().to_vec(),
         }
     }
@@ -179,7 +198,7 @@ fn stopped(stop: Stop) -> &'static str {
 }
 
 /// A name that every file system takes.
-fn file_stem(name: &str) -> String {
+pub(super) fn file_stem(name: &str) -> String {
     name.chars()
         .map(|character| {
             if character.is_alphanumeric() || character == '-' {
@@ -192,7 +211,7 @@ fn file_stem(name: &str) -> String {
 }
 
 /// What all solutions of branches have.
-trait Solution: Sync {
+pub(super) trait Solution: Sync {
     fn parameters(&self) -> &[f64];
     fn period(&self) -> Option<f64> {
         None

@@ -172,7 +172,7 @@ pub(super) fn model(
         situation,
         &spec,
         &wanted,
-        &task.measures,
+        (&task.measures, &task.oscillations),
         task.period.as_ref(),
     )?;
     if model.forced() && matches!(task.start, BranchStart::Equilibrium) {
@@ -266,6 +266,11 @@ fn followed(
     watcher: &Watcher,
     (model, spec, settings): (&Model, &ConfigurationSpec, quell_continuation::Settings),
 ) -> Result<(Vec<Member>, super::ContinuationFindings), Fault> {
+    if task.follows == Follows::Region {
+        return Ok(super::region::followed(
+            name, task, model, settings, watcher,
+        ));
+    }
     let field = model.field();
     let follower = Follower {
         task,
@@ -670,7 +675,7 @@ impl Follower<'_> {
 }
 
 /// Half the width of the box about the equilibrium of runs in time in which a diagram looks for others, SI.
-const SEARCHED: f64 = 1.0;
+pub(super) const SEARCHED: f64 = 1.0;
 /// Starts of Newton's method in that box, at each of three values of the parameter.
 const STARTS: usize = 24;
 

@@ -31,6 +31,15 @@ impl Watcher {
         })
     }
 
+    /// A monitor that counts only, where parameters are on scales of their own.
+    pub(super) fn counter(&self) -> Monitor {
+        let seen = Arc::clone(&self.seen);
+        Monitor::new(move |_| {
+            seen.points.fetch_add(1, Ordering::Relaxed);
+            1.0
+        })
+    }
+
     pub(super) fn measuring(&self) {
         self.seen.measuring.store(true, Ordering::Relaxed);
     }
@@ -41,7 +50,11 @@ impl Watcher {
         if self.seen.measuring.load(Ordering::Relaxed) {
             return format!("{points} solutions, measuring");
         }
-        let value = f64::from_bits(self.seen.parameter.load(Ordering::Relaxed));
+        let bits = self.seen.parameter.load(Ordering::Relaxed);
+        if bits == 0 {
+            return format!("{points} solutions");
+        }
+        let value = f64::from_bits(bits);
         format!("{points} solutions, {parameter} = {value:.4}")
     }
 

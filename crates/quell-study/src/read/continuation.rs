@@ -1,4 +1,4 @@
-//! Tasks of kind `branch`, `curve` and `diagram` as typed.
+//! Tasks of kind `branch`, `curve`, `diagram` and `region` as typed.
 
 use indexmap::IndexMap;
 use quell_document::{Fault, Table, Value};
@@ -12,29 +12,30 @@ use crate::keys;
 use crate::study::{ConfigurationSpec, Run, Study, Task, TaskKind};
 
 /// The keys of tasks that follow branches; those of one kind alone with that kind.
-const KEYS: [(&str, &[Follows]); 14] = {
-    use Follows::{Branch, Curve, Diagram};
-    const ALL: &[Follows] = &[Branch, Curve, Diagram];
+const KEYS: [(&str, &[Follows]); 15] = {
+    use Follows::{Branch, Curve, Diagram, Region};
+    const ALL: &[Follows] = &[Branch, Curve, Diagram, Region];
     [
         ("configuration", ALL),
         ("parameter", &[Branch, Diagram]),
-        ("parameters", &[Curve]),
+        ("parameters", &[Curve, Region]),
         ("ranges", ALL),
         ("start", &[Branch, Curve]),
-        ("at", ALL),
+        ("at", &[Branch, Curve, Diagram]),
         ("measures", ALL),
+        ("oscillations", ALL),
         ("cycles", &[Branch]),
         ("depth", &[Diagram]),
         ("points", ALL),
         ("mesh_tolerance", ALL),
         ("longest_period", ALL),
-        ("period", ALL),
+        ("period", &[Branch, Curve, Diagram]),
         ("sweep", &[Branch, Diagram]),
     ]
 };
 
 /// The kinds of task that follow branches.
-pub(super) const KINDS: [&str; 3] = ["branch", "curve", "diagram"];
+pub(super) const KINDS: [&str; 4] = ["branch", "curve", "diagram", "region"];
 
 /// Whether a study asks for nothing but branches.
 pub(super) fn alone(root: &Table<'_>) -> bool {
@@ -77,6 +78,7 @@ pub(super) fn task(
     let follows = match kind {
         "curve" => Follows::Curve,
         "diagram" => Follows::Diagram,
+        "region" => Follows::Region,
         _ => Follows::Branch,
     };
     let source = &study.source;
@@ -120,7 +122,13 @@ pub(super) fn task(
         ranges,
         start,
         at,
-        measures: measures(table, study)?,
+        measures: measures(
+            table,
+            study,
+            "measures",
+            "write `measures = { sway = \"max(abs(x))\" }`",
+        )?,
+        oscillations: oscillations(table, study)?,
         cycles: table
             .get("cycles")
             .map(|value| value.as_bool())
@@ -176,7 +184,7 @@ fn parameters(
 ) -> Result<Vec<(String, quell_expression::Span)>, Fault> {
     const EXAMPLE: &str = "write `parameters = [\"V\", \"c1\"]`";
     let named = |value: &Value<'_>| Ok::<_, Fault>((value.as_str()?.to_owned(), value.span()));
-    if follows != Follows::Curve {
+    if !matches!(follows, Follows::Curve | Follows::Region) {
         let value = table.get("parameter").ok_or_else(|| {
             table
                 .fault(format!(
@@ -189,7 +197,11 @@ fn parameters(
     }
     let value = table.get("parameters").ok_or_else(|| {
         table
-            .fault("the curve does not say in which two parameters it runs")
+            .fault(if follows == Follows::Curve {
+                "the curve does not say in which two parameters it runs"
+            } else {
+                "the region does not say which two parameters span it"
+            })
             .help(EXAMPLE)
     })?;
     match value
@@ -206,7 +218,13 @@ fn parameters(
             }
             Ok(both)
         }
-        _ => Err(value.fault("a curve runs in two parameters").help(EXAMPLE)),
+        _ => Err(value
+            .fault(if follows == Follows::Curve {
+                "a curve runs in two parameters"
+            } else {
+                "a region is of two parameters"
+            })
+            .help(EXAMPLE)),
     }
 }
 
@@ -361,14 +379,40 @@ fn configuration(
     ))
 }
 
-fn measures(table: &Table<'_>, study: &Study) -> Result<IndexMap<String, Measure>, Fault> {
-    let Some(value) = table.get("measures") else {
+/// Names of oscillations with the measures that are compared.
+fn oscillations(table: &Table<'_>, study: &Study) -> Result<IndexMap<String, Measure>, Fault> {
+    const EXAMPLE: &str = "write `oscillations = { torsion = \"max(abs(p))\", bending = \"max(abs(d))\" }`: an oscillation is named by the largest";
+    let found = measures(table, study, "oscillations", EXAMPLE)?;
+    let typed = table.get("oscillations");
+    if let (1, Some(value)) = (found.len(), &typed) {
+        return Err(value
+            .fault("one name tells no oscillation from another")
+            .help(EXAMPLE));
+    }
+    for (name, measure) in &found {
+        if let Some((_, span)) = &measure.unit {
+            return Err(Fault::at(
+                &study.source,
+                *span,
+                format!("`{name}` names an oscillation and is not shown, so it has no unit"),
+            )
+            .help(EXAMPLE));
+        }
+    }
+    Ok(found)
+}
+
+fn measures(
+    table: &Table<'_>,
+    study: &Study,
+    key: &str,
+    example: &str,
+) -> Result<IndexMap<String, Measure>, Fault> {
+    let Some(value) = table.get(key) else {
         return Ok(IndexMap::new());
     };
     let mut found = IndexMap::new();
-    let all = value
-        .as_table()
-        .map_err(|fault| fault.help("write `measures = { sway = \"max(abs(x))\" }`"))?;
+    let all = value.as_table().map_err(|fault| fault.help(example))?;
     for (name, span, value) in all.entries() {
         super::check_name(name, span, &all)?;
         let (expression, unit) = if value.is_table() {

@@ -74,7 +74,7 @@ pub(super) fn tasks(value: &Value<'_>, study: &Study) -> Result<Vec<Task>, Fault
 }
 
 /// The kinds of task.
-pub(crate) const KINDS: [&str; 5] = ["evaluate", "design", "branch", "curve", "diagram"];
+pub(crate) const KINDS: [&str; 6] = ["evaluate", "design", "branch", "curve", "diagram", "region"];
 
 /// Keys of the other kinds of task.
 fn refuse_strangers(table: &Table<'_>, kind: &str) -> Result<(), Fault> {
@@ -101,7 +101,7 @@ fn refuse_strangers(table: &Table<'_>, kind: &str) -> Result<(), Fault> {
         strangers.push("configurations");
     }
     strangers.extend(continuation::own_keys().filter(|key| !continuation::takes(kind, key)));
-    if kind == "curve" {
+    if matches!(kind, "curve" | "region") {
         strangers.push("sweep");
     }
     for key in strangers {

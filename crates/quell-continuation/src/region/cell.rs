@@ -1,0 +1,123 @@
+//! What is stable at a point of a cell.
+
+use crate::branch::{Branch, Equilibrium, Point, Special};
+use crate::diagram::{DiagramSettings, diagram};
+use crate::kind::Kind;
+use crate::orbit::Orbit;
+use crate::problem::Problem;
+use crate::settings::{ContinuationError, Settings};
+
+use super::Attractor;
+
+/// Orbits are the same when periods and ranges of states agree so well, relative.
+const SAME: f64 = 1e-3;
+
+/// Stable solutions at a point, and special points of cycles at which a stable one begins or ends.
+#[derive(Default)]
+pub(super) struct Looked {
+    pub(super) attractors: Vec<Attractor>,
+    pub(super) seeds: Vec<Special<Orbit>>,
+    /// Whether mirror images were left out.
+    pub(super) odd: bool,
+    pub(super) failed: Vec<(String, ContinuationError)>,
+}
+
+/// Follows the diagrams through a point along both parameters.
+pub(super) fn look(
+    problem: &dyn Problem,
+    at: [f64; 2],
+    rest: Option<&[f64]>,
+    settings: &DiagramSettings,
+) -> Looked {
+    let mut out = Looked::default();
+    for (free, place) in at.iter().enumerate() {
+        let mut asked = settings.clone();
+        asked.branch = Settings {
+            ranges: vec![(0.0, 1.0)],
+            at: vec![*place],
+            ..settings.branch.clone()
+        };
+        if let Some(rest) = rest {
+            // The box is about the equilibrium here.
+            for ((low, high), x) in asked.states.iter_mut().zip(rest) {
+                let half = 0.5 * (*high - *low);
+                (*low, *high) = (x - half, x + half);
+            }
+        }
+        let found = match diagram(problem, &at, free, &asked) {
+            Ok(found) => found,
+            Err(error) => {
+                out.failed.push((format!("{at:?}"), error));
+                continue;
+            }
+        };
+        out.odd |= found.odd;
+        for member in &found.equilibria {
+            for point in stable(&member.branch) {
+                out.add_equilibrium(point);
+            }
+        }
+        for member in &found.cycles {
+            for point in stable(&member.branch) {
+                out.add_cycle(&point.solution);
+            }
+            for special in &member.branch.special {
+                let ends = special.unstable.contains(&0)
+                    && matches!(
+                        special.kind,
+                        Kind::CycleFold | Kind::PeriodDoubling | Kind::Torus
+                    );
+                if ends {
+                    out.seeds.push(special.clone());
+                }
+            }
+        }
+        for (branch, label, error) in found.failed {
+            out.failed.push((format!("{branch}:{label}"), error));
+        }
+    }
+    out
+}
+
+fn stable<S>(branch: &Branch<S>) -> impl Iterator<Item = &Point<S>> {
+    branch.at.iter().filter(|point| point.unstable == 0)
+}
+
+impl Looked {
+    fn add_equilibrium(&mut self, point: &Point<Equilibrium>) {
+        let new = &point.solution.state;
+        let known = self.attractors.iter().any(|one| match one {
+            Attractor::Equilibrium(known) => {
+                let gap = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-6 * (1.0 + a.abs());
+                known.state.iter().zip(new).all(gap)
+            }
+            Attractor::Cycle(_) => false,
+        });
+        if !known {
+            let own = point.solution.clone();
+            self.attractors.push(Attractor::Equilibrium(own));
+        }
+    }
+
+    fn add_cycle(&mut self, orbit: &Orbit) {
+        let known = self.attractors.iter().any(|one| match one {
+            Attractor::Cycle(known) => same(known, orbit),
+            Attractor::Equilibrium(_) => false,
+        });
+        if !known {
+            self.attractors.push(Attractor::Cycle(orbit.clone()));
+        }
+    }
+}
+
+/// Whether two orbits at the same parameters are one.
+fn same(a: &Orbit, b: &Orbit) -> bool {
+    if (a.period / b.period - 1.0).abs() > SAME {
+        return false;
+    }
+    (0..a.dimension).all(|i| {
+        let ((low, high), (other, top)) = (a.range(i), b.range(i));
+        let size = (high - low).max(top - other);
+        (low - other).abs().max((high - top).abs()) <= SAME.sqrt() * size + 1e-9
+    })
+}
