@@ -205,7 +205,7 @@ impl<'a> Collocation<'a> {
             &mut self.jacobians,
         );
         let (m, n, count) = (self.rule.m, self.n, self.count());
-        let w = self.condensed.width();
+        let w = self.condensed.stride();
         let q = self.condensed.inner();
         for i in 0..count {
             let h = self.step(i) * self.period;

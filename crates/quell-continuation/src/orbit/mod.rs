@@ -7,6 +7,7 @@ mod cycle;
 pub(crate) mod floquet;
 pub(crate) mod frame;
 pub(crate) mod manifold;
+mod kernel;
 mod mesh;
 pub(crate) mod normal;
 mod rule;
