@@ -368,12 +368,7 @@ impl Condensed {
 
 /// What is compiled for the vectors of the machine, with all it calls.
 struct Factor<'a>(&'a mut Condensed);
-struct Forward<'a>(
-    &'a Condensed,
-    &'a mut [f64],
-    &'a mut [f64],
-    &'a mut [f64],
-);
+struct Forward<'a>(&'a Condensed, &'a mut [f64], &'a mut [f64], &'a mut [f64]);
 struct Backward<'a>(
     &'a Condensed,
     &'a [f64],

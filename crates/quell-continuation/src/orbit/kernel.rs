@@ -33,8 +33,8 @@ fn minus_rows(l: Four, u: [&[Four]; WIDTH], y: &mut [Four]) {
     let [a, b, c, d] = u.map(|u| &u[..n]);
     for i in 0..n {
         for j in 0..WIDTH {
-            y[i][j] = (((y[i][j] - l[0] * a[i][j]) - l[1] * b[i][j]) - l[2] * c[i][j])
-                - l[3] * d[i][j];
+            y[i][j] =
+                (((y[i][j] - l[0] * a[i][j]) - l[1] * b[i][j]) - l[2] * c[i][j]) - l[3] * d[i][j];
         }
     }
 }

@@ -77,6 +77,12 @@ impl<'a> Corrector<'a> {
                 previous = f64::INFINITY;
                 continue;
             }
+            if m.keeps() && size < tolerance {
+                // The point stays where its factorisation is.
+                quality.iterations = iteration;
+                quality.last = size;
+                return Ok(quality);
+            }
             if size > 1e3 || iteration > 2 && ratio > 2.0 && size > tolerance * 1e3 {
                 return Err(Failure::NoConvergence(size));
             }
