@@ -72,4 +72,6 @@ pub use orbit::{
     cycles_from_pair, cycles_from_samples,
 };
 pub use problem::{Closure, Problem};
-pub use settings::{ContinuationError, Directions, Interrupt, MeshSettings, Settings, Stop};
+pub use settings::{
+    ContinuationError, Correction, Directions, Interrupt, MeshSettings, Settings, Stop,
+};

@@ -5,6 +5,8 @@ use quell_model::host::keys::SIGNAL;
 
 use crate::study::Statistic;
 
+/// How predicted points of branches are corrected.
+pub(crate) const CORRECTORS: &[&str] = &["pseudo-arclength", "Moore-Penrose"];
 const TEXTS: Shape = Shape::List(&Shape::Text);
 const CRITERIA: Shape = Shape::AnyOf(&[Shape::Text, TEXTS]);
 const AMOUNTS: Shape = Shape::MapOf(&Shape::Amount);
@@ -414,6 +416,16 @@ pub const TASK: KeySet = KeySet {
             "depth",
             Shape::Integer,
             "diagram: how often a branch may be followed from a point of another; 2 unless given.",
+        ),
+        Key::optional(
+            "search",
+            Shape::MapOf(&Shape::List(&Shape::Amount)),
+            "diagram: where equilibria are sought, `[lower, upper]` by coordinate, rate or state of the host; unless given within 1 (SI) of the one near the host's `start` values, and at its rates.",
+        ),
+        Key::optional(
+            "corrector",
+            Shape::Choice(CORRECTORS),
+            "branch, curve, diagram: how predicted points are brought onto the branch: across the tangent before (`\"pseudo-arclength\"`, unless given), or the shortest way (`\"Moore-Penrose\"`), which takes sharper bends and more time. Special points are the same.",
         ),
         Key::optional(
             "points",

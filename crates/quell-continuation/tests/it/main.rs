@@ -19,11 +19,13 @@ mod support;
 
 mod bands;
 mod codimension;
+mod corrections;
 mod crossings;
 mod curves;
 mod cycles;
 mod diagrams;
 mod equilibria;
+mod kept;
 mod meshes;
 mod normal_forms;
 mod rotations;

@@ -21,7 +21,7 @@ pub use outcome::{
 };
 pub(crate) use record::record;
 pub use record::{AtResult, BranchResult, ContinuationResult, SpecialResult, StopResult};
-pub(crate) use solve::{Solved, solve};
+pub(crate) use solve::{Company, Solved, solve};
 pub(crate) use watch::Watcher;
 
 use quell_document::Fault;
@@ -58,6 +58,7 @@ pub(crate) fn check(
     let whole = inherited(study, task);
     let (model, ..) = solve::model(study, situation, &whole, None)?;
     solve::settings(situation, &whole, &model, &Watcher::default())?;
+    solve::searched(study, situation, &whole, &model)?;
     let names: Vec<&str> = task
         .parameters
         .iter()

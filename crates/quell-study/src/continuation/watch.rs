@@ -44,9 +44,4 @@ impl Watcher {
         let value = f64::from_bits(self.seen.parameter.load(Ordering::Relaxed));
         format!("{points} solutions, {parameter} = {value:.4}")
     }
-
-    /// Solutions so far.
-    pub(crate) fn solutions(&self) -> u64 {
-        self.seen.points.load(Ordering::Relaxed) as u64
-    }
 }
