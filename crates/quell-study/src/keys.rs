@@ -394,8 +394,8 @@ pub const TASK: KeySet = KeySet {
         ),
         Key::optional(
             "start",
-            Shape::AnyOf(&[Shape::Text, Shape::Table(&START)]),
-            "branch: `\"equilibrium\"` near the host's `start` values (unless given); `\"TASK:LABEL\"`, a special point that a task above finds (`\"TASK:C1:NS1\"` where several branches have the label): cycles at a Hopf point, doubled cycles at a period doubling, the branch that crosses at a branch point, else the solution there; or `{ run = \"NAME\" }`, the cycle on which a run in time ends. curve: `\"TASK:LABEL\"`, an LP, H, LPC, PD or NS of a branch, or an HH (its torus curves) or GH (its folds of cycles) of a curve.",
+            Shape::AnyOf(&[Shape::Text, Shape::Table(&START), TEXTS]),
+            "branch: `\"equilibrium\"` near the host's `start` values (unless given); `\"TASK:LABEL\"`, a special point that a task above finds (`\"TASK:C1:NS1\"` where several branches have the label): cycles at a Hopf point, doubled cycles at a period doubling, the branch that crosses at a branch point, else the solution there; or `{ run = \"NAME\" }`, the cycle on which a run in time ends. curve: `\"TASK:LABEL\"`, an LP, H, LPC, PD or NS of a branch, or an HH (its torus curves) or GH (its folds of cycles) of a curve; or a list of such points, `[\"TASK:H1\", \"TASK:H2\"]`, of one configuration, whose curves are then drawn in one plane.",
         ),
         Key::optional(
             "at",

@@ -69,6 +69,35 @@ fn mirror_images_are_counted_once() {
     );
 }
 
+/// The same circuit seen from beside its centre: its images are no mirror images of the states any more.
+struct Shifted;
+impl Field for Shifted {
+    const N: usize = 3;
+    const P: usize = 1;
+    fn f<R: Real>(&self, t: R, x: &[R], p: &[R], out: &mut [R]) {
+        let from = R::from(0.125);
+        Electronic.f(t, &[x[0] - from, x[1], x[2]], p, out);
+    }
+}
+
+#[test]
+fn without_the_symmetry_both_images_are_found() {
+    let problem = Exact::<_, 3>(Shifted);
+    let s = DiagramSettings {
+        branch: Settings {
+            period_bound: 20.0,
+            ..Settings::new(&[(-0.9, -0.3)])
+        },
+        states: vec![(-1.0, 1.0); 3],
+        starts: 10,
+        depth: 2,
+    };
+    let d = diagram(&problem, &[-0.9], 0, &s).unwrap();
+    assert!(!d.odd);
+    let names: Vec<_> = d.equilibria.iter().map(|m| (&m.name, &m.parent)).collect();
+    assert_eq!(d.equilibria.len(), 3, "{names:?}");
+}
+
 #[test]
 fn a_vertical_family_ends_as_degenerate() {
     let problem = Exact::<_, 2>(VanDerPol);

@@ -25,6 +25,7 @@ mod curves;
 mod cycles;
 mod diagrams;
 mod equilibria;
+mod growth;
 mod kept;
 mod meshes;
 mod normal_forms;

@@ -43,6 +43,8 @@ pub struct ContinuationTask {
     pub ranges: IndexMap<String, ParameterRange>,
     /// Where it begins.
     pub start: BranchStart,
+    /// curve: further points at which curves of the same plane begin.
+    pub more: Vec<BranchStart>,
     /// Values of the first parameter at which solutions are wanted.
     pub at: Vec<Amount>,
     /// Numbers taken from every solution.

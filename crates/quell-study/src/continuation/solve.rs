@@ -10,7 +10,7 @@ use quell_continuation::{
     equilibria_across, fold_curve, fold_from_generalised_hopf, hopf_curve, torus_from_hopf_hopf,
 };
 use quell_document::Fault;
-use quell_expression::Dimension;
+use quell_expression::{Dimension, Span};
 use quell_model::system::StateKind;
 use rayon::prelude::*;
 
@@ -287,10 +287,11 @@ pub(crate) fn solve(
     situation: &Situation,
     name: &str,
     task: &ContinuationTask,
-    before: Option<&Arc<Solved>>,
+    before: &[Arc<Solved>],
     company: &Company<'_>,
 ) -> Result<Solved, Fault> {
-    let (model, spec, wanted) = self::model(study, situation, task, before.map(Arc::as_ref))?;
+    let first = before.first().map(Arc::as_ref);
+    let (model, spec, wanted) = self::model(study, situation, task, first)?;
     let mut settings = settings(situation, task, &model, company.watcher)?;
     settings.interrupt.clone_from(&company.interrupt);
     let (members, findings) = followed(
@@ -317,7 +318,7 @@ fn followed(
     situation: &Situation,
     name: &str,
     task: &ContinuationTask,
-    before: Option<&Arc<Solved>>,
+    before: &[Arc<Solved>],
     company: &Company<'_>,
     (model, spec, settings): (&Model, &ConfigurationSpec, quell_continuation::Settings),
 ) -> Result<(Vec<Member>, super::ContinuationFindings), Fault> {
@@ -330,30 +331,15 @@ fn followed(
         keeper: company.keeper,
     };
     let (members, mut status, notes) = match &task.start {
-        BranchStart::Label { label, span, task } => {
-            let Some(before) = before else {
-                return Err(Fault::at(
-                    &study.source,
-                    *span,
-                    format!("the task `{task}` has found nothing"),
-                ));
-            };
-            if before.findings.status == INTERRUPTED {
-                // Its labels are not yet those that they will be.
+        BranchStart::Label { .. } => {
+            // Their labels are not yet those that they will be.
+            if before
+                .iter()
+                .any(|before| before.findings.status == INTERRUPTED)
+            {
                 (Vec::new(), INTERRUPTED.to_owned(), Vec::new())
             } else {
-                let (parent, begin) = before.labelled(label).map_err(|why| {
-                    Fault::at(
-                        &study.source,
-                        *span,
-                        format!("the task `{task}` has no point `{label}` to start from"),
-                    )
-                    .help(why)
-                })?;
-                let parent = format!("{task}:{parent}");
-                follower
-                    .at_point(before, &begin, &parent)
-                    .map_err(|why| Fault::at(&study.source, *span, why))?
+                follower.at_labels(study, before)?
             }
         }
         BranchStart::Equilibrium if task.follows == Follows::Diagram => {
@@ -552,6 +538,63 @@ impl Follower<'_> {
             "done".to_owned()
         };
         (members, status, notes)
+    }
+
+    /// From the labelled points of other tasks, one after the other.
+    fn at_labels(&self, study: &Study, before: &[Arc<Solved>]) -> Result<Followed, Fault> {
+        let starts = std::iter::once(&self.task.start).chain(&self.task.more);
+        let labels: Vec<(&str, &str, Span)> = starts
+            .filter_map(|start| match start {
+                BranchStart::Label { task, label, span } => Some((&**task, &**label, *span)),
+                _ => None,
+            })
+            .collect();
+        if labels.len() != before.len() {
+            return Err(Fault::at(
+                &study.source,
+                self.task.span,
+                "a task to start from has found nothing",
+            ));
+        }
+        let all: Vec<Result<Followed, Fault>> = labels
+            .par_iter()
+            .zip(before)
+            .map(|((task, label, span), before)| {
+                let (parent, begin) = before.labelled(label).map_err(|why| {
+                    Fault::at(
+                        &study.source,
+                        *span,
+                        format!("the task `{task}` has no point `{label}` to start from"),
+                    )
+                    .help(why)
+                })?;
+                self.at_point(before, &begin, &format!("{task}:{parent}"))
+                    .map_err(|why| Fault::at(&study.source, *span, why))
+            })
+            .collect();
+        let single = all.len() == 1;
+        let (mut members, mut status, mut notes) =
+            (Vec::<Member>::new(), "done".to_owned(), Vec::new());
+        for (found, (task, label, _)) in all.into_iter().zip(&labels) {
+            let (own, how, why) = found?;
+            for mut member in own {
+                if !single {
+                    // Curves are numbered through.
+                    member.id = format!("K{}", members.len() + 1);
+                }
+                members.push(member);
+            }
+            if how != "done" && single {
+                status = how;
+            } else if how != "done" {
+                notes.push(format!("from {task}:{label}: {how}"));
+            }
+            notes.extend(why);
+        }
+        if members.is_empty() && status == "done" {
+            "no curve was found".clone_into(&mut status);
+        }
+        Ok((members, status, notes))
     }
 
     /// From a labelled point of another task; else what is wrong with it as a start.

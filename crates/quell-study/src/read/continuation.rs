@@ -88,7 +88,21 @@ pub(super) fn task(
         Some(value) => ranges(&value, study, &parameters)?,
         None => IndexMap::new(),
     };
+    let mut more = Vec::new();
     let start = match table.get("start") {
+        Some(value) if follows == Follows::Curve && value.is_array() => {
+            const EXAMPLE: &str = "write `start = [\"TASK:H1\", \"TASK:H2\"]`";
+            let mut all = Vec::new();
+            for one in &value.as_array()? {
+                all.push(start(one, study, above)?);
+            }
+            let mut all = all.into_iter();
+            let first = all
+                .next()
+                .ok_or_else(|| value.fault("no point is named to start from").help(EXAMPLE))?;
+            more.extend(all);
+            first
+        }
         Some(value) => start(&value, study, above)?,
         None if follows == Follows::Curve => {
             return Err(table
@@ -122,6 +136,7 @@ pub(super) fn task(
         parameters,
         ranges,
         start,
+        more,
         at,
         measures: measures(table, study)?,
         cycles: table

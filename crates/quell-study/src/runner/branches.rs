@@ -52,16 +52,15 @@ impl Runner<'_> {
             return Ok(known);
         }
         // A start names a task above, so this ends.
-        let before = match &asked.start {
-            BranchStart::Label { task, .. } => match self.study.continuation(task) {
-                Some(own) => {
-                    let standing = situation::build(&self.study.host, &self.study.overrides, &[])?;
-                    Some(self.solve(&standing, task, own, true)?)
-                }
-                None => None,
-            },
-            _ => None,
-        };
+        let mut before = Vec::new();
+        for start in std::iter::once(&asked.start).chain(&asked.more) {
+            if let BranchStart::Label { task, .. } = start
+                && let Some(own) = self.study.continuation(task)
+            {
+                let standing = situation::build(&self.study.host, &self.study.overrides, &[])?;
+                before.push(self.solve(&standing, task, own, true)?);
+            }
+        }
         let watcher = Watcher::default();
         let keeper = Kept {
             recorder: self.recorder,
@@ -82,7 +81,7 @@ impl Runner<'_> {
                 situation,
                 name,
                 asked,
-                before.as_ref(),
+                &before,
                 &continuation::Company {
                     watcher,
                     keeper: &keeper,
