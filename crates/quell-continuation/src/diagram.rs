@@ -251,6 +251,7 @@ impl Diagram {
             for point in &member.branch.special {
                 if matches!(point.kind, Kind::Hopf | Kind::HopfHopf)
                     && point.certainty == Certainty::Located
+                    && !(self.odd && starts.iter().any(|(_, known)| mirrored(known, point)))
                 {
                     starts.push((member.name.clone(), point.clone()));
                 }
@@ -338,6 +339,16 @@ impl Diagram {
                     < 1e-6 * (1.0 + first.solution.parameters[free].abs())
         })
     }
+}
+
+/// Whether two Hopf points are mirror images.
+fn mirrored(a: &Special<Equilibrium>, b: &Special<Equilibrium>) -> bool {
+    let (x, y) = (&a.solution, &b.solution);
+    let near = |p: &[f64], q: &[f64], sign: f64| {
+        let gap: Vec<f64> = p.iter().zip(q).map(|(p, q)| p - sign * q).collect();
+        norm(&gap) <= 1e-6 * (norm(p) + norm(q))
+    };
+    near(&x.state, &y.state, -1.0) && near(&x.parameters, &y.parameters, 1.0)
 }
 
 /// Whether a branch of cycles shrinks to an equilibrium (or its mirror image).

@@ -69,33 +69,47 @@ fn mirror_images_are_counted_once() {
     );
 }
 
-/// The same circuit seen from beside its centre: its images are no mirror images of the states any more.
-struct Shifted;
-impl Field for Shifted {
-    const N: usize = 3;
+/// x'' = p (x - c) - (x - c)³ + x' (½ - (x - c)²): rest at c ± √p loses its stability at p = ½ on either side, to cycles that are mirror
+/// images of each other about c.
+struct TwoWells(f64);
+impl Field for TwoWells {
+    const N: usize = 2;
     const P: usize = 1;
-    fn f<R: Real>(&self, t: R, x: &[R], p: &[R], out: &mut [R]) {
-        let from = R::from(0.125);
-        Electronic.f(t, &[x[0] - from, x[1], x[2]], p, out);
+    fn f<R: Real>(&self, _t: R, x: &[R], p: &[R], out: &mut [R]) {
+        let from = x[0] - R::from(self.0);
+        out[0] = x[1];
+        out[1] = p[0] * from - from.cube() + x[1] * (R::from(0.5) - from.square());
     }
 }
 
 #[test]
-fn without_the_symmetry_both_images_are_found() {
-    let problem = Exact::<_, 3>(Shifted);
-    let s = DiagramSettings {
-        branch: Settings {
-            period_bound: 20.0,
-            ..Settings::new(&[(-0.9, -0.3)])
-        },
-        states: vec![(-1.0, 1.0); 3],
-        starts: 10,
-        depth: 2,
+fn of_mirrored_cycles_one_is_followed() {
+    let found = |centre: f64| {
+        let problem = Exact::<_, 2>(TwoWells(centre));
+        let s = DiagramSettings {
+            branch: Settings {
+                period_bound: 30.0,
+                ..Settings::new(&[(-0.3, 0.8)])
+            },
+            states: vec![(-2.0, 2.0), (0.0, 0.0)],
+            starts: 10,
+            depth: 1,
+        };
+        diagram(&problem, &[0.0], 0, &s).unwrap()
     };
-    let d = diagram(&problem, &[-0.9], 0, &s).unwrap();
-    assert!(!d.odd);
-    let names: Vec<_> = d.equilibria.iter().map(|m| (&m.name, &m.parent)).collect();
-    assert_eq!(d.equilibria.len(), 3, "{names:?}");
+    for (centre, odd, cycles) in [(0.0, true, 1), (0.125, false, 2)] {
+        let d = found(centre);
+        assert_eq!(d.odd, odd);
+        let hopf: Vec<f64> = d
+            .equilibria
+            .iter()
+            .flat_map(|m| m.branch.of(Kind::Hopf))
+            .map(|h| h.solution.parameters[0])
+            .collect();
+        // The branch of both wells is one, through the pitchfork.
+        assert!(hopf.iter().all(|p| (p - 0.5).abs() < 1e-6), "{hopf:?}");
+        assert_eq!((hopf.len(), d.cycles.len()), (2, cycles));
+    }
 }
 
 #[test]

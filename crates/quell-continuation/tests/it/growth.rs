@@ -93,8 +93,8 @@ fn iterations_do_not_grow_with_mesh_or_states() {
         work::<40>(20),
     ] {
         for (few, more) in few.iter().zip(more) {
-            // A point more or less that is located on the way changes the counts by less than a third.
-            assert!((more / few - 1.0).abs() < 0.33, "{few} {more}");
+            // Points that are located on the way differ; eight times the intervals, or five times the states, would not be twice.
+            assert!(more < 2.0 * few, "{few} {more}");
         }
     }
     let [values, linearisations] = few;
