@@ -11,7 +11,7 @@ use quell_continuation::{
     cycles_from_hopf, cycles_from_samples, equilibria,
 };
 use support::models::*;
-use support::{Exact, Field, Real, integrate};
+use support::{Exact, integrate};
 
 fn main() {
     divan::main();
@@ -138,31 +138,6 @@ fn feedback_doubling_curve_60(bencher: Bencher<'_, '_>) {
     timed(bencher, || cycle_curve(&problem, pd, [0, 1], &s).ok());
 }
 
-/// K oscillators in a chain, the first of them of van der Pol's kind.
-struct Chain<const K: usize>;
-impl<const K: usize> Field for Chain<K> {
-    const N: usize = K;
-    const P: usize = 1;
-    fn f<R: Real>(&self, _t: R, x: &[R], p: &[R], out: &mut [R]) {
-        let k = K / 2;
-        for i in 0..k {
-            out[i] = x[k + i];
-            let left = if i > 0 { x[i - 1] - x[i] } else { R::from(0.0) };
-            let right = if i + 1 < k {
-                x[i + 1] - x[i]
-            } else {
-                R::from(0.0)
-            };
-            let damping = if i == 0 {
-                p[0] * (R::from(1.0) - x[i] * x[i])
-            } else {
-                R::from(-0.05)
-            };
-            out[k + i] = -x[i] + R::from(0.1) * (left + right) + damping * x[k + i];
-        }
-    }
-}
-
 fn chain<const K: usize>(bencher: Bencher<'_, '_>, intervals: usize) {
     let problem = Exact::<_, K>(Chain::<K>);
     let Some(h) = hopf(&problem, &[0.0; K], &[-0.5], (-0.5, 0.5)) else {
@@ -175,6 +150,11 @@ fn chain<const K: usize>(bencher: Bencher<'_, '_>, intervals: usize) {
 #[divan::bench(args = [20, 40, 80])]
 fn chain_of_8_states(bencher: Bencher<'_, '_>, intervals: usize) {
     chain::<8>(bencher, intervals);
+}
+
+#[divan::bench(args = [20])]
+fn chain_of_10_states(bencher: Bencher<'_, '_>, intervals: usize) {
+    chain::<10>(bencher, intervals);
 }
 
 #[divan::bench(args = [20])]

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::branch::{Branch, Equilibrium, Special};
+use crate::bytes::Kept;
 use crate::dense::{Lu, norm};
 use crate::equilibrium::{check, equilibria, equilibria_across};
 use crate::kind::{Certainty, Kind};
@@ -48,6 +49,45 @@ pub struct Diagram {
     pub failed: Vec<(String, String, ContinuationError)>,
 }
 
+/// Where finished branches are kept, so that what was interrupted goes on with them.
+pub trait Keeper: Sync {
+    /// What was kept under a name.
+    fn get(&self, name: &str) -> Option<Vec<u8>>;
+    /// Keeps it.
+    fn put(&self, name: &str, bytes: Vec<u8>);
+}
+
+impl dyn Keeper + '_ {
+    /// The branch of a name: from the keeper, or followed and, unless it was interrupted, kept.
+    ///
+    /// # Errors
+    /// Those of following it.
+    pub fn branch<S: Kept>(
+        &self,
+        name: &str,
+        follow: impl FnOnce() -> Result<Branch<S>, ContinuationError>,
+    ) -> Result<Branch<S>, ContinuationError> {
+        if let Some(found) = self.get(name).and_then(|bytes| Branch::from_bytes(&bytes)) {
+            return Ok(found);
+        }
+        let found = follow()?;
+        if !found.is_interrupted() {
+            self.put(name, found.to_bytes());
+        }
+        Ok(found)
+    }
+}
+
+/// Keeps nothing.
+struct Forgetful;
+
+impl Keeper for Forgetful {
+    fn get(&self, _: &str) -> Option<Vec<u8>> {
+        None
+    }
+    fn put(&self, _: &str, _: Vec<u8>) {}
+}
+
 /// The diagram of a problem in the parameter of index `free`.
 ///
 /// Equilibria at both ends and the middle of the range are sought by damped, deflated Newton (Farrell, Birkisson and Funke,
@@ -61,6 +101,22 @@ pub fn diagram(
     parameters: &[f64],
     free: usize,
     settings: &DiagramSettings,
+) -> Result<Diagram, ContinuationError> {
+    diagram_kept(problem, parameters, free, settings, &Forgetful)
+}
+
+/// The same with finished branches in a keeper. What it holds already is not followed again; the diagram is the same, bit for
+/// bit.
+///
+/// # Errors
+///
+/// Those of [`diagram`].
+pub fn diagram_kept(
+    problem: &dyn Problem,
+    parameters: &[f64],
+    free: usize,
+    settings: &DiagramSettings,
+    keeper: &dyn Keeper,
 ) -> Result<Diagram, ContinuationError> {
     check(problem, settings.states.len(), parameters.len(), &[free])?;
     let (low, high) = settings.branch.range(0);
@@ -76,11 +132,25 @@ pub fn diagram(
     for value in [low, 0.5 * (low + high), high] {
         let mut p = parameters.to_vec();
         p[free] = value;
-        for state in roots(problem, &p, settings) {
-            if out.holds(&state, &p, free) {
+        let starts: Vec<Vec<f64>> = roots(problem, &p, settings)
+            .into_iter()
+            .filter(|state| !out.holds(state, &p, free))
+            .collect();
+        // All in parallel, then kept in order: a start on a branch of an earlier one is superfluous.
+        let found: Vec<_> = starts
+            .par_iter()
+            .map(|state| {
+                let name = format!("equilibria through {state:?} at {value:?}");
+                keeper.branch(&name, || {
+                    equilibria(problem, state, &p, free, &settings.branch)
+                })
+            })
+            .collect();
+        for (state, followed) in starts.iter().zip(found) {
+            if out.holds(state, &p, free) {
                 continue;
             }
-            match equilibria(problem, &state, &p, free, &settings.branch) {
+            match followed {
                 Ok(branch) => out.add_equilibria(None, branch),
                 Err(error) => out.failed.push((String::new(), format!("{value}"), error)),
             }
@@ -89,35 +159,39 @@ pub fn diagram(
     let mut next = 0;
     for _ in 0..settings.depth {
         let end = out.equilibria.len();
-        for index in next..end {
-            let member = out.equilibria[index].clone();
+        let mut switches = Vec::new();
+        for member in &out.equilibria[next..end] {
             for point in member.branch.of(Kind::BranchPoint) {
-                if point.certainty == Certainty::Unresolved {
-                    continue;
+                if point.certainty == Certainty::Located {
+                    switches.push((member.name.clone(), point.clone(), 1.0));
+                    switches.push((member.name.clone(), point.clone(), -1.0));
                 }
-                for side in [1.0, -1.0] {
-                    match equilibria_across(problem, point, free, side, &settings.branch) {
-                        Ok(branch) => {
-                            let probe = &branch.points[branch.points.len() / 2].solution;
-                            if !out.holds(&probe.state, &probe.parameters, free) {
-                                out.add_equilibria(
-                                    Some((member.name.clone(), point.label.clone())),
-                                    branch,
-                                );
-                            }
-                        }
-                        Err(error) => {
-                            out.failed
-                                .push((member.name.clone(), point.label.clone(), error));
-                        }
+            }
+        }
+        let found: Vec<_> = switches
+            .par_iter()
+            .map(|(branch, point, side)| {
+                let name = format!("across {branch}:{} by {side}", point.label);
+                keeper.branch(&name, || {
+                    equilibria_across(problem, point, free, *side, &settings.branch)
+                })
+            })
+            .collect();
+        for ((name, point, _), followed) in switches.into_iter().zip(found) {
+            match followed {
+                Ok(branch) => {
+                    let probe = &branch.points[branch.points.len() / 2].solution;
+                    if !out.holds(&probe.state, &probe.parameters, free) {
+                        out.add_equilibria(Some((name, point.label)), branch);
                     }
                 }
+                Err(error) => out.failed.push((name, point.label, error)),
             }
         }
         next = end;
     }
     if settings.depth > 0 {
-        out.cycles(problem, free, settings);
+        out.cycles(problem, free, settings, keeper);
     }
     Ok(out)
 }
@@ -165,12 +239,19 @@ impl Diagram {
         })
     }
 
-    fn cycles(&mut self, problem: &dyn Problem, free: usize, settings: &DiagramSettings) {
+    fn cycles(
+        &mut self,
+        problem: &dyn Problem,
+        free: usize,
+        settings: &DiagramSettings,
+        keeper: &dyn Keeper,
+    ) {
         let mut starts: Vec<(String, Special<Equilibrium>)> = Vec::new();
         for member in &self.equilibria {
             for point in &member.branch.special {
                 if matches!(point.kind, Kind::Hopf | Kind::HopfHopf)
                     && point.certainty == Certainty::Located
+                    && !(self.odd && starts.iter().any(|(_, known)| mirrored(known, point)))
                 {
                     starts.push((member.name.clone(), point.clone()));
                 }
@@ -179,7 +260,11 @@ impl Diagram {
         // All in parallel, then kept in order: a branch that ends at a later start makes that one superfluous.
         let found: Vec<_> = starts
             .par_iter()
-            .map(|(_, point)| cycles_from_hopf(problem, point, free, &settings.branch))
+            .map(|(branch, point)| {
+                keeper.branch(&format!("cycles from {branch}:{}", point.label), || {
+                    cycles_from_hopf(problem, point, free, &settings.branch)
+                })
+            })
             .collect();
         let mut level = Vec::new();
         for ((name, point), result) in starts.iter().zip(found) {
@@ -210,12 +295,14 @@ impl Diagram {
             }
             let found: Vec<_> = switches
                 .par_iter()
-                .map(|(_, point)| {
-                    if point.kind == Kind::PeriodDoubling {
-                        cycles_doubled(problem, point, free, &settings.branch)
-                    } else {
-                        cycles_across(problem, point, free, 1.0, &settings.branch)
-                    }
+                .map(|(branch, point)| {
+                    keeper.branch(&format!("cycles from {branch}:{}", point.label), || {
+                        if point.kind == Kind::PeriodDoubling {
+                            cycles_doubled(problem, point, free, &settings.branch)
+                        } else {
+                            cycles_across(problem, point, free, 1.0, &settings.branch)
+                        }
+                    })
                 })
                 .collect();
             for ((name, point), result) in switches.iter().zip(found) {
@@ -252,6 +339,16 @@ impl Diagram {
                     < 1e-6 * (1.0 + first.solution.parameters[free].abs())
         })
     }
+}
+
+/// Whether two Hopf points are mirror images.
+fn mirrored(a: &Special<Equilibrium>, b: &Special<Equilibrium>) -> bool {
+    let (x, y) = (&a.solution, &b.solution);
+    let near = |p: &[f64], q: &[f64], sign: f64| {
+        let gap: Vec<f64> = p.iter().zip(q).map(|(p, q)| p - sign * q).collect();
+        norm(&gap) <= 1e-6 * (norm(p) + norm(q))
+    };
+    near(&x.state, &y.state, -1.0) && near(&x.parameters, &y.parameters, 1.0)
 }
 
 /// Whether a branch of cycles shrinks to an equilibrium (or its mirror image).

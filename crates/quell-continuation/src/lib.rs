@@ -41,6 +41,7 @@
 
 mod band;
 mod branch;
+mod bytes;
 mod curve;
 mod dense;
 mod diagram;
@@ -58,12 +59,13 @@ pub use band::{
     eigenvalue_near, first_lyapunov, stable_bands,
 };
 pub use branch::{Branch, Equilibrium, Point, Special};
+pub use bytes::Kept;
 pub use curve::{
     CriticalEquilibrium, CriticalOrbit, cycle_curve, fold_curve, fold_from_generalised_hopf,
     hopf_curve, torus_from_hopf_hopf,
 };
 pub use dense::solve_linear;
-pub use diagram::{Diagram, DiagramSettings, Member, diagram};
+pub use diagram::{Diagram, DiagramSettings, Keeper, Member, diagram, diagram_kept};
 pub use equilibrium::{equilibria, equilibria_across};
 pub use kind::{Certainty, Kind};
 pub use monitor::{Monitor, View};
@@ -75,4 +77,6 @@ pub use problem::{Closure, Problem};
 pub use region::{
     Attractor, CurveSolutions, Region, RegionCell, RegionCurve, RegionSettings, region,
 };
-pub use settings::{ContinuationError, Directions, Interrupt, MeshSettings, Settings, Stop};
+pub use settings::{
+    ContinuationError, Correction, Directions, Interrupt, MeshSettings, Settings, Stop,
+};

@@ -59,12 +59,26 @@ pub struct Settings {
     pub period_bound: f64,
     /// Mesh of periodic orbits.
     pub mesh: MeshSettings,
+    /// How a predicted point is brought onto the branch.
+    pub correction: Correction,
     /// Directions to follow.
     pub directions: Directions,
     /// Functions whose zeros are wanted.
     pub monitors: Vec<Monitor>,
     /// Raised from outside to stop.
     pub interrupt: Option<Interrupt>,
+}
+
+/// In which plane Newton brings a predicted point onto the branch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Correction {
+    /// In the one across the tangent of the point before, through the predicted point (Keller 1977).
+    #[default]
+    PseudoArclength,
+    /// In each iteration across the null vector at hand, so that in the end the correction is that of the pseudo-inverse and the
+    /// point is, to first order, the nearest one (Allgower and Georg, Numerical Continuation Methods, 1990, chapter 3): another way
+    /// round sharp bends, for a further solution in each iteration.
+    MoorePenrose,
 }
 
 /// Which ways to follow from the start.
@@ -135,6 +149,7 @@ impl Settings {
             shortest_division: 1e-3,
             period_bound: f64::INFINITY,
             mesh: MeshSettings::default(),
+            correction: Correction::PseudoArclength,
             directions: Directions::Both,
             monitors: Vec::new(),
             interrupt: None,

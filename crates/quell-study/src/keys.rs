@@ -5,6 +5,8 @@ use quell_model::host::keys::SIGNAL;
 
 use crate::study::Statistic;
 
+/// How predicted points of branches are corrected.
+pub(crate) const CORRECTORS: &[&str] = &["pseudo-arclength", "Moore-Penrose"];
 const TEXTS: Shape = Shape::List(&Shape::Text);
 const CRITERIA: Shape = Shape::AnyOf(&[Shape::Text, TEXTS]);
 const AMOUNTS: Shape = Shape::MapOf(&Shape::Amount);
@@ -396,8 +398,8 @@ pub const TASK: KeySet = KeySet {
         ),
         Key::optional(
             "start",
-            Shape::AnyOf(&[Shape::Text, Shape::Table(&START)]),
-            "branch: `\"equilibrium\"` near the host's `start` values (unless given); `\"TASK:LABEL\"`, a special point that a task above finds (`\"TASK:C1:NS1\"` where several branches have the label): cycles at a Hopf point, doubled cycles at a period doubling, the branch that crosses at a branch point, else the solution there; or `{ run = \"NAME\" }`, the cycle on which a run in time ends. curve: `\"TASK:LABEL\"`, an LP, H, LPC, PD or NS of a branch, or an HH (its torus curves) or GH (its folds of cycles) of a curve.",
+            Shape::AnyOf(&[Shape::Text, Shape::Table(&START), TEXTS]),
+            "branch: `\"equilibrium\"` near the host's `start` values (unless given); `\"TASK:LABEL\"`, a special point that a task above finds (`\"TASK:C1:NS1\"` where several branches have the label): cycles at a Hopf point, doubled cycles at a period doubling, the branch that crosses at a branch point, else the solution there; or `{ run = \"NAME\" }`, the cycle on which a run in time ends. curve: `\"TASK:LABEL\"`, an LP, H, LPC, PD or NS of a branch, or an HH (its torus curves) or GH (its folds of cycles) of a curve; or a list of such points, `[\"TASK:H1\", \"TASK:H2\"]`, of one configuration, whose curves are then drawn in one plane.",
         ),
         Key::optional(
             "at",
@@ -423,6 +425,16 @@ pub const TASK: KeySet = KeySet {
             "depth",
             Shape::Integer,
             "diagram: how often a branch may be followed from a point of another; 2 unless given.",
+        ),
+        Key::optional(
+            "search",
+            Shape::MapOf(&Shape::List(&Shape::Amount)),
+            "diagram: where equilibria are sought, `[lower, upper]` by coordinate, rate or state of the host; unless given within 1 (SI) of the one near the host's `start` values, and at its rates.",
+        ),
+        Key::optional(
+            "corrector",
+            Shape::Choice(CORRECTORS),
+            "branch, curve, diagram: how predicted points are brought onto the branch: across the tangent before (`\"pseudo-arclength\"`, unless given), or the shortest way (`\"Moore-Penrose\"`), which takes sharper bends and more time. Special points are the same.",
         ),
         Key::optional(
             "points",

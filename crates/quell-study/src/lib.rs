@@ -40,6 +40,7 @@ pub use outcome::{
     TaskOutcome,
 };
 pub use problem::{DesignProblem, ProblemScratch, problems};
+pub use quell_continuation::Interrupt;
 pub use read::FILE_VERSION;
 pub use runner::{Progress, RunError, RunSettings, Silent, run, run_with_store};
 pub use standing::Standing;

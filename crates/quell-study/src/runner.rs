@@ -16,6 +16,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use indexmap::IndexMap;
+use quell_continuation::Interrupt;
 use quell_document::Fault;
 
 use self::recorder::Recorder;
@@ -52,6 +53,12 @@ pub trait Progress: Sync {
     }
     /// How far the unit at hand is, in words.
     fn note(&self, _words: &str) {}
+    /// What is raised to end branches, curves and diagrams at their next point; no further task is begun then.
+    fn interrupt(&self) -> Option<Interrupt> {
+        None
+    }
+    /// From now on (or no longer) branches are followed, which heed the interrupt.
+    fn heed(&self, _heeded: bool) {}
 }
 
 /// Nobody wants to know.
@@ -190,6 +197,9 @@ fn recorded(
     };
     let mut tasks = Vec::new();
     for task in chosen {
+        if runner.interrupted() {
+            break;
+        }
         let outcome = pool.install(|| runner.task(task))?;
         tasks.push(outcome);
     }
@@ -237,6 +247,12 @@ struct Runner<'a> {
 }
 
 impl Runner<'_> {
+    /// Whether somebody asked to stop.
+    fn interrupted(&self) -> bool {
+        let interrupt = self.recorder.interrupt();
+        interrupt.is_some_and(|interrupt| interrupt.is_raised())
+    }
+
     fn task(&self, task: &Task) -> Result<TaskOutcome, RunError> {
         let points = sweep_points(self.study, task)?;
         let units = match &task.kind {

@@ -230,6 +230,13 @@ kind = "curve"
 start = "response:LPC1"
 parameters = ["Om", "F0"]
 ranges = { F0 = [0.02, 0.4] }
+
+[[tasks]]
+name = "both folds"
+kind = "curve"
+start = ["response:LPC1", "response:LPC2"]
+parameters = ["Om", "F0"]
+ranges = { F0 = [0.02, 0.4] }
 "#;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hosts");
     let source = quell_document::Source::new("study.toml", text.to_owned());
@@ -247,6 +254,23 @@ ranges = { F0 = [0.02, 0.4] }
     let cusps = points(&found(&results, "folds").branches[0], "CPC");
     near(&[cusps[0].parameters["Om"]], &[1.09011], 1e-5);
     near(&[cusps[0].parameters["F0"]], &[0.051_363_5], 1e-6);
+    // Both folds lie on the one curve, so each leads to the cusp.
+    let both = &found(&results, "both folds").branches;
+    let named: Vec<_> = both
+        .iter()
+        .map(|one| (one.id.as_str(), one.parent.as_deref()))
+        .collect();
+    assert_eq!(
+        named,
+        [
+            ("K1", Some("response:C1:LPC1")),
+            ("K2", Some("response:C1:LPC2"))
+        ]
+    );
+    for curve in both {
+        let cusp = points(curve, "CPC")[0];
+        near(&[cusp.parameters["F0"]], &[cusps[0].parameters["F0"]], 1e-8);
+    }
 }
 
 /// φ'' + c φ' + sin φ = M going round and round. In a turn the torque does the work that the damper takes:
@@ -289,6 +313,37 @@ measures = { work = "rms(phi')^2", least = "min(phi)", most = "max(phi)" }
         near(&[turned], &[std::f64::consts::TAU], 1e-9);
         assert!(at.stable);
     }
+}
+
+/// The pendulum with a weak spring from its angle to the ground: it goes round, and every turn is another one.
+#[test]
+fn an_angle_that_is_held_by_a_spring_does_not_turn_periodically() {
+    let text = r#"
+quell = 1
+title = "No rotations"
+host = "driven-pendulum.toml"
+parameters = { k = 1e-5 }
+
+[runs.settle]
+kind = "transient"
+duration = 200
+
+[[tasks]]
+name = "rotations"
+kind = "branch"
+parameter = "torque"
+ranges = { torque = [0.2, 1.5] }
+start = { run = "settle" }
+"#;
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hosts");
+    let source = quell_document::Source::new("study.toml", text.to_owned());
+    let study = Study::parse(source, &folder).unwrap_or_else(|fault| panic!("{}", fault.render()));
+    let refused = quell_study::run(&study, &RunSettings::default(), &Silent).unwrap_err();
+    let words = refused.to_string();
+    assert!(
+        words.contains("the angle `phi` goes on turning, but after whole turns of it the equations are not the same"),
+        "{words}"
+    );
 }
 
 /// Same study, same bits, for any number of threads.

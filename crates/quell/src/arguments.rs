@@ -16,7 +16,7 @@ Begin here:
   quell run studies/tuned-mass-damper.toml       do it: a shortlist here, report.html in runs/
   quell layouts --springs 1 --dampers 1 --inerters 1
 
-Exit codes: 0 done (an infeasible design is done, and says so), 1 the study is wrong, 2 the run failed."
+Exit codes: 0 done (an infeasible design is done, and says so), 1 the study is wrong, 2 the run failed, 130 it was interrupted."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]

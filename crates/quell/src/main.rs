@@ -1,6 +1,6 @@
 //! `quell`: from a study file to a ranked shortlist of vibration suppressors.
 //!
-//! Exit codes: 0 done (an infeasible design is done, and says so), 1 the study is wrong, 2 the run failed.
+//! Exit codes: 0 done (an infeasible design is done, and says so), 1 the study is wrong, 2 the run failed, 130 it was interrupted.
 
 mod arguments;
 mod branches;

@@ -1,17 +1,20 @@
 //! A progress bar with the best so far and the time left; silent when not on a terminal.
 
 use std::io::IsTerminal;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use quell_study::Progress;
+use quell_study::{Interrupt, Progress};
 
 /// The bar of one run.
 pub(crate) struct Bar {
     drawn: Mutex<ProgressBar>,
     shown: bool,
     restored: AtomicU64,
+    interrupt: Interrupt,
+    /// How many tasks follow branches just now.
+    heeding: Arc<AtomicUsize>,
 }
 
 impl Bar {
@@ -20,7 +23,32 @@ impl Bar {
             drawn: Mutex::new(ProgressBar::hidden()),
             shown: std::io::stderr().is_terminal(),
             restored: AtomicU64::new(0),
+            interrupt: Interrupt::new(),
+            heeding: Arc::new(AtomicUsize::new(0)),
         }
+    }
+
+    /// From now on Ctrl-C (or a request to terminate) ends branches at their next point; where none is followed, or at the second
+    /// time, it ends the program. The store holds what was finished in either case.
+    pub(crate) fn watch_interrupts(&self) {
+        let (interrupt, heeding) = (self.interrupt.clone(), Arc::clone(&self.heeding));
+        let set = ctrlc::set_handler(move || {
+            if heeding.load(Ordering::SeqCst) == 0 || interrupt.is_raised() {
+                #[expect(
+                    clippy::exit,
+                    reason = "what a signal does to a program without a handler"
+                )]
+                std::process::exit(130);
+            }
+            interrupt.raise();
+        });
+        // Without a handler a signal ends the program, and the store goes on from what was finished.
+        drop(set);
+    }
+
+    /// Whether somebody asked to stop.
+    pub(crate) fn is_interrupted(&self) -> bool {
+        self.interrupt.is_raised()
     }
 
     fn with(&self, act: impl FnOnce(&ProgressBar)) {
@@ -71,9 +99,21 @@ impl Progress for Bar {
                 bar.inc(1);
                 bar.set_message(match self.restored.load(Ordering::Relaxed) {
                     0 => best.to_owned(),
-                    pieces => format!("{best} ({pieces} starts from the interrupted run)"),
+                    pieces => format!("{best} ({pieces} pieces of work from the interrupted run)"),
                 });
             });
+        }
+    }
+
+    fn interrupt(&self) -> Option<Interrupt> {
+        Some(self.interrupt.clone())
+    }
+
+    fn heed(&self, heeded: bool) {
+        if heeded {
+            self.heeding.fetch_add(1, Ordering::SeqCst);
+        } else {
+            self.heeding.fetch_sub(1, Ordering::SeqCst);
         }
     }
 

@@ -32,6 +32,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
     let made = prepare(&folder)?;
     let store = open(&study, &folder, options.force)?;
     let bar = Bar::new();
+    bar.watch_interrupts();
     let outcome = quell_study::run_with_store(&study, &settings, &bar, &store);
     bar.finish();
     let outcome = match outcome {
@@ -47,7 +48,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
 
     let results = serde_json::to_string_pretty(&outcome.results)
         .map_err(|error| Exit::failed(format!("the results could not be written: {error}")))?;
-    // The results come last: a folder that holds them holds a whole run.
+    // The results come last: a folder that holds them holds a whole run, or says that it was interrupted.
     let report = folder.join(REPORT);
     write(&report, &quell_report::html(&study, &outcome))?;
     for (name, text) in outcome.files() {
@@ -56,7 +57,13 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Exit> {
     write(&folder.join(RESULTS), &format!("{results}\n"))?;
 
     let text = shortlist::text(&study, &outcome);
-    terminal::print(&format!("{text}Report: {}\n", report.display()))
+    terminal::print(&format!("{text}Report: {}\n", report.display()))?;
+    if bar.is_interrupted() {
+        return Err(Exit::Interrupted(
+            "the run was interrupted; the same command goes on with it".to_owned(),
+        ));
+    }
+    Ok(())
 }
 
 fn exit(error: RunError) -> Exit {
@@ -112,13 +119,28 @@ fn default_folder(study: &Path) -> Result<PathBuf, Exit> {
 }
 
 fn refuse_to_overwrite(folder: &Path, force: bool) -> Result<(), Exit> {
-    if force || !folder.join(RESULTS).exists() {
+    let results = folder.join(RESULTS);
+    if force || !results.exists() || was_interrupted(&results) {
         return Ok(());
     }
     Err(Exit::Asked(format!(
         "`{}` already holds a run; `--force` starts afresh over it, `--out DIR` puts this one elsewhere",
         folder.display()
     )))
+}
+
+/// Whether these are the results of a run that was asked to stop.
+fn was_interrupted(results: &Path) -> bool {
+    let text = fs::read_to_string(results).unwrap_or_default();
+    let found: Option<serde_json::Value> = serde_json::from_str(&text).ok();
+    let tasks = found
+        .as_ref()
+        .and_then(|found| found.get("tasks")?.as_object());
+    tasks.is_some_and(|tasks| {
+        tasks.values().any(|task| {
+            task.get("status").and_then(|status| status.as_str()) == Some("interrupted")
+        })
+    })
 }
 
 /// Makes the folder, before time is spent on what could not be kept; true where it was not there.

@@ -47,7 +47,7 @@ pub(crate) fn text(study: &Study, outcome: &RunOutcome) -> String {
         let plural = if outcome.restored == 1 { "" } else { "s" };
         let _ = writeln!(
             text,
-            "{} start{plural} of searches came from the interrupted run",
+            "{} piece{plural} of work came from the interrupted run",
             outcome.restored
         );
     }

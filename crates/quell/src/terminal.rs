@@ -18,6 +18,8 @@ pub(crate) enum Exit {
     Run(Box<Fault>),
     /// The machine failed (a file could not be written …): exit code 2.
     Failed(String),
+    /// Somebody asked to stop: exit code 130, as after a signal.
+    Interrupted(String),
     /// Whoever read our output has stopped reading; that is no fault of ours.
     Closed,
 }
@@ -33,6 +35,7 @@ impl Exit {
             Self::Asked(message) => (format!("{message}\n"), 1),
             Self::Run(fault) => (diagnostics::render(&fault), 2),
             Self::Failed(message) => (format!("{message}\n"), 2),
+            Self::Interrupted(message) => (format!("{message}\n"), 130),
             Self::Closed => return ExitCode::SUCCESS,
         };
         // Nothing can be done about a standard error that refuses to be written to.

@@ -15,7 +15,7 @@ use crate::orbit::collocation::Collocation;
 use crate::orbit::frame::{self, Frame};
 use crate::orbit::manifold::orbit;
 use crate::orbit::{Orbit, floquet, normal, small_cycle, unpack};
-use crate::path::{Failure, Found, Label, Manifold, Node, Start, Trigger, follow_both};
+use crate::path::{Attention, Failure, Found, Label, Manifold, Node, Start, Trigger, follow_both};
 use crate::problem::Problem;
 use crate::settings::{ContinuationError, Settings, Stop};
 
@@ -173,10 +173,12 @@ struct Curves<'a> {
     bordered: Bordered,
     frame: Frame,
     variation: Variation,
-    columns: Vec<Vec<f64>>,
     arclength: Row,
     weights: Vec<f64>,
     largest: f64,
+    /// Where the factorisation at hand is; empty where there is none.
+    factored: Vec<f64>,
+    attention: Attention,
 }
 
 impl<'a> Curves<'a> {
@@ -188,10 +190,11 @@ impl<'a> Curves<'a> {
             bordered: Bordered::default(),
             frame: Frame::new(settings.state_scale),
             variation: Variation::default(),
-            columns: Vec::new(),
             arclength: Row::default(),
             weights: Vec::new(),
             largest: 0.0,
+            factored: Vec::new(),
+            attention: Attention::All,
         }
     }
 
@@ -261,15 +264,17 @@ impl<'a> Curves<'a> {
         let stripped = self.strip(z);
         self.c.linearise(&stripped)?;
         // Columns: period, θ (none in the collocation), parameters.
-        self.columns.clear();
         let offset = usize::from(self.c.autonomous);
-        for (k, column) in self.c.columns.iter().enumerate() {
-            if k == offset && self.torus() {
-                self.columns.push(vec![0.0; self.c.nodes()]);
-            }
-            self.columns.push(column.clone());
+        let mut columns: Vec<Option<&[f64]>> = self
+            .c
+            .columns
+            .iter()
+            .map(|column| Some(column.as_slice()))
+            .collect();
+        if self.torus() {
+            columns.insert(offset, None);
         }
-        self.bordered.columns(&self.c.condensed, &self.columns);
+        self.bordered.columns(&self.c.condensed, &columns);
         Ok(())
     }
 
@@ -282,15 +287,35 @@ impl<'a> Curves<'a> {
         Ok(())
     }
 
-    /// The coefficient whose sign tells which way what is born here is born.
-    fn coefficient(&self, angle: f64) -> f64 {
-        if self.c.problem.is_approximate() {
+    /// The coefficient whose sign tells which way what is born here is born, times what takes its poles at strong resonances away:
+    /// ⟨w, v⟩ for a period doubling, whose sign is continued from point to point, |⟨w, v⟩|² for a torus.
+    fn coefficient(&self, test: usize, angle: f64) -> f64 {
+        let wanted = match self.attention {
+            Attention::All => true,
+            Attention::Test(k) => k == test,
+            Attention::Spectrum => false,
+        };
+        if !wanted || self.c.problem.is_approximate() {
             return f64::NAN;
         }
         let phase = &self.frame.phase.nodes;
-        normal::coefficients(&self.c, &self.bordered, phase, self.mode, angle)
-            .and_then(|found| found.first().copied())
-            .unwrap_or(f64::NAN)
+        normal::coefficients(
+            &self.c,
+            &self.bordered,
+            phase,
+            self.mode,
+            angle,
+            &self.variation,
+        )
+        .and_then(|(found, pairing)| {
+            let factor = if self.torus() {
+                pairing.norm_sqr()
+            } else {
+                pairing.re
+            };
+            Some(found.first()? * factor)
+        })
+        .unwrap_or(f64::NAN)
     }
 
     /// What a further multiplier on the unit circle makes of a point.
@@ -358,6 +383,10 @@ impl Manifold for Curves<'_> {
     }
 
     fn factor(&mut self, z: &[f64]) -> Result<(), Failure> {
+        if self.factored == z {
+            return Ok(());
+        }
+        self.factored.clear();
         self.linearise(z)?;
         let phase = self.reduced_phase();
         let mu = self.multiplier(z);
@@ -370,6 +399,7 @@ impl Manifold for Curves<'_> {
         self.variation.differentiate(&self.c, mu, self.frame.scale);
         // Kept for the border rows.
         self.arclength.ends = vec![z.get(self.angle_index()).copied().unwrap_or(0.0)];
+        self.factored.extend_from_slice(z);
         Ok(())
     }
 
@@ -402,6 +432,14 @@ impl Manifold for Curves<'_> {
 
     fn solve(&mut self, b: &mut [f64]) {
         self.bordered.solve(&self.c.condensed, b);
+    }
+
+    fn keeps(&self) -> bool {
+        true
+    }
+
+    fn attend(&mut self, which: Attention) {
+        self.attention = which;
     }
 
     fn weights(&self) -> &[f64] {
@@ -480,10 +518,13 @@ impl Manifold for Curves<'_> {
                     angle - pi,
                     angle - 2.0 * pi / 3.0,
                     angle - 0.5 * pi,
-                    self.coefficient(angle),
+                    self.coefficient(4, angle),
                 ]
             }
-            Mode::Doubling => vec![v.by_multiplier.re, self.coefficient(std::f64::consts::PI)],
+            Mode::Doubling => vec![
+                v.by_multiplier.re,
+                self.coefficient(1, std::f64::consts::PI),
+            ],
             Mode::Fold => {
                 let mut row = dot(&v.gradient[0].nodes, &v.v[0]);
                 if self.c.autonomous {
@@ -544,12 +585,15 @@ impl Manifold for Curves<'_> {
     }
 
     fn accept(&mut self, z: &[f64]) {
+        // What borders the linearisation changes.
+        self.factored.clear();
         self.variation.refresh();
         self.variation.keep_sign(&self.c);
         self.frame.anchor(&self.c, z);
     }
 
     fn restart(&mut self, node: &Node) {
+        self.factored.clear();
         self.c.set_mesh(node.mesh.clone());
         self.rescale(&node.z);
         self.variation = Variation::default();

@@ -39,8 +39,21 @@ pub(crate) struct Variation {
     pub(crate) gradient: [Row; 2],
     /// ∂g/∂μ.
     pub(crate) by_multiplier: C,
+    /// Room for what is evaluated beside the orbit.
+    room: Room,
     /// Re w at the times of the last accepted point: (τ, w per equation of the Gauss point), which fixes the sign.
     reference: Vec<(f64, Vec<f64>)>,
+}
+
+/// Jacobians, states and rates on both sides of the orbit along v.
+#[derive(Clone, Debug, Default)]
+struct Room {
+    plus: Vec<f64>,
+    minus: Vec<f64>,
+    up: Vec<f64>,
+    down: Vec<f64>,
+    above: Vec<f64>,
+    below: Vec<f64>,
 }
 
 /// A phase row eliminated on a linearisation.
@@ -298,9 +311,21 @@ impl Variation {
         let offset = usize::from(c.autonomous);
         let mut nodes = [vec![0.0; total * n], vec![0.0; total * n]];
         let mut ends = [vec![0.0; borders], vec![0.0; borders]];
-        let (mut plus, mut minus) = (vec![0.0; total * n * n], vec![0.0; total * n * n]);
-        let (mut up, mut down) = (vec![0.0; total * n], vec![0.0; total * n]);
-        let (mut fu, mut fd) = (vec![0.0; total * n], vec![0.0; total * n]);
+        let mut room = std::mem::take(&mut self.room);
+        let Room {
+            plus,
+            minus,
+            up,
+            down,
+            above: fu,
+            below: fd,
+        } = &mut room;
+        for jacobians in [&mut *plus, &mut *minus] {
+            jacobians.resize(total * n * n, 0.0);
+        }
+        for vectors in [&mut *up, &mut *down, &mut *fu, &mut *fd] {
+            vectors.resize(total * n, 0.0);
+        }
         // s (re, im) += (w) (dv) with the products of parts.
         let parts = if complex { 2 } else { 1 };
         let mut source = [vec![0.0; total * n], vec![0.0; total * n]];
@@ -318,9 +343,9 @@ impl Variation {
             }
             let d = 1.0 / (2.0 * h);
             c.problem
-                .linearisations(&c.times, &up, &c.parameters, &mut fu, &mut plus);
+                .linearisations(&c.times, up, &c.parameters, fu, plus);
             c.problem
-                .linearisations(&c.times, &down, &c.parameters, &mut fd, &mut minus);
+                .linearisations(&c.times, down, &c.parameters, fd, minus);
             // f_x v at Gauss points, for the period.
             let mut image = vec![0.0; total * n];
             for e in 0..total {
@@ -364,12 +389,12 @@ impl Variation {
             }
             for (k, index) in c.free.iter().enumerate() {
                 c.problem
-                    .parameter_derivatives(&c.times, &up, &c.parameters, *index, &mut fu);
+                    .parameter_derivatives(&c.times, up, &c.parameters, *index, fu);
                 c.problem
-                    .parameter_derivatives(&c.times, &down, &c.parameters, *index, &mut fd);
+                    .parameter_derivatives(&c.times, down, &c.parameters, *index, fd);
                 let mut along: Vec<f64> = fu
                     .iter()
-                    .zip(&fd)
+                    .zip(fd.iter())
                     .map(|(a, b)| c.period * (a - b) * d)
                     .collect();
                 if self.tau != 0.0 && pv == 0 {
@@ -390,10 +415,9 @@ impl Variation {
                     c.periods as f64 * c.problem.period_derivative(&c.parameters, *index)
                 };
                 if rate != 0.0 {
+                    c.problem.time_derivatives(&c.times, up, &c.parameters, fu);
                     c.problem
-                        .time_derivatives(&c.times, &up, &c.parameters, &mut fu);
-                    c.problem
-                        .time_derivatives(&c.times, &down, &c.parameters, &mut fd);
+                        .time_derivatives(&c.times, down, &c.parameters, fd);
                     for e in 0..total {
                         let t = c.times[e];
                         for r in 0..n {
@@ -435,6 +459,7 @@ impl Variation {
                 }
             }
         }
+        self.room = room;
         for (gradient, (nodes, ends)) in self.gradient.iter_mut().zip(nodes.into_iter().zip(ends)) {
             *gradient = Row { nodes, ends };
         }

@@ -36,13 +36,22 @@ pub(crate) struct Bordered {
 
 impl Bordered {
     /// Carries the border columns through a new factorisation.
-    pub(crate) fn columns(&mut self, c: &Condensed, raw: &[Vec<f64>]) {
+    ///
+    /// None stands for a column of zeros.
+    pub(crate) fn columns(&mut self, c: &Condensed, raw: &[Option<&[f64]>]) {
         self.columns.resize_with(raw.len(), Column::default);
         for (column, raw) in self.columns.iter_mut().zip(raw) {
             column.data.clear();
-            column.data.extend_from_slice(raw);
             column.last.resize(c.n, 0.0);
-            c.forward(&mut column.data, &mut column.mids, &mut column.last);
+            if let Some(raw) = raw {
+                column.data.extend_from_slice(raw);
+                c.forward(&mut column.data, &mut column.mids, &mut column.last);
+            } else {
+                column.data.resize(c.count * c.rows(), 0.0);
+                column.mids.clear();
+                column.mids.resize(c.count.saturating_sub(1) * c.n, 0.0);
+                column.last.fill(0.0);
+            }
         }
         self.lu = None;
     }

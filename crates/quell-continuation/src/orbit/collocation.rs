@@ -1,5 +1,9 @@
 //! The discretised orbit: x' = T f(Tτ, x, p) at Gauss points, x(1) = x(0) + winding.
 
+#![allow(clippy::inline_always)] // only what is inlined is compiled for the vectors of the machine
+
+use pulp::{Arch, Simd, WithSimd};
+
 use super::condense::Condensed;
 use super::rule::Rule;
 use crate::dense::axpy;
@@ -118,6 +122,17 @@ impl<'a> Collocation<'a> {
         wrap: Option<&[f64]>,
         out: &mut [f64],
     ) {
+        Arch::new().dispatch(Interpolate(self, table, z, wrap, out));
+    }
+
+    #[inline(always)]
+    fn interpolate_in_vectors(
+        &self,
+        table: &[f64],
+        z: &[f64],
+        wrap: Option<&[f64]>,
+        out: &mut [f64],
+    ) {
         let (m, n, count) = (self.rule.m, self.n, self.count());
         let per = m * n;
         // The last interval ends where the first begins.
@@ -205,35 +220,7 @@ impl<'a> Collocation<'a> {
             &mut self.jacobians,
         );
         let (m, n, count) = (self.rule.m, self.n, self.count());
-        let w = self.condensed.width();
-        let q = self.condensed.inner();
-        for i in 0..count {
-            let h = self.step(i) * self.period;
-            let size = self.condensed.block_size();
-            let block = &mut self.condensed.blocks[i * size..(i + 1) * size];
-            for c in 0..m {
-                let jacobian = &self.jacobians[(i * m + c) * n * n..(i * m + c + 1) * n * n];
-                for k in 0..=m {
-                    let column = if k == 0 {
-                        q
-                    } else if k == m {
-                        q + n
-                    } else {
-                        (k - 1) * n
-                    };
-                    let s = -h * self.rule.values[c * (m + 1) + k];
-                    let d = self.rule.slopes[c * (m + 1) + k];
-                    for r in 0..n {
-                        let row =
-                            &mut block[(c * n + r) * w + column..(c * n + r) * w + column + n];
-                        for (x, j) in row.iter_mut().zip(&jacobian[r * n..(r + 1) * n]) {
-                            *x = s * j;
-                        }
-                        row[r] += d;
-                    }
-                }
-            }
-        }
+        Arch::new().dispatch(Fill(self));
         if !self.condensed.factor() {
             return Err(Failure::NotFinite);
         }
@@ -298,6 +285,42 @@ impl<'a> Collocation<'a> {
         Ok(())
     }
 
+    /// The blocks of the condensed system from the Jacobians.
+    #[inline(always)]
+    fn fill(&mut self) {
+        let (m, n, count) = (self.rule.m, self.n, self.count());
+        let w = self.condensed.stride();
+        let q = self.condensed.inner();
+        let size = self.condensed.block_size();
+        for i in 0..count {
+            let h = self.step(i) * self.period;
+            let block = &mut self.condensed.blocks[i * size..(i + 1) * size];
+            for c in 0..m {
+                let jacobian = &self.jacobians[(i * m + c) * n * n..(i * m + c + 1) * n * n];
+                let values = &self.rule.values[c * (m + 1)..(c + 1) * (m + 1)];
+                let slopes = &self.rule.slopes[c * (m + 1)..(c + 1) * (m + 1)];
+                let rows = block[c * n * w..(c + 1) * n * w].chunks_exact_mut(w);
+                for (r, (row, j)) in rows.zip(jacobian.chunks_exact(n)).enumerate() {
+                    // Inner nodes, then both ends.
+                    for k in 0..=m {
+                        let column = match k {
+                            0 => q,
+                            _ if k == m => q + n,
+                            _ => (k - 1) * n,
+                        };
+                        let s = -h * values[k];
+                        let part = &mut row[column..column + n];
+                        for (x, j) in part.iter_mut().zip(j) {
+                            *x = s * j;
+                        }
+                        part[r] += slopes[k];
+                    }
+                    row[q + 2 * n..].fill(0.0);
+                }
+            }
+        }
+    }
+
     /// The row of the phase condition ∫⟨x, x_ref'⟩ dτ over the nodes.
     pub(crate) fn phase_row(&self, reference: &[f64]) -> Vec<f64> {
         let (m, n, count) = (self.rule.m, self.n, self.count());
@@ -346,7 +369,35 @@ impl<'a> Collocation<'a> {
     }
 }
 
+/// What is compiled for the vectors of the machine, with all it calls.
+struct Fill<'a, 'p>(&'a mut Collocation<'p>);
+struct Interpolate<'a, 'p>(
+    &'a Collocation<'p>,
+    &'a [f64],
+    &'a [f64],
+    Option<&'a [f64]>,
+    &'a mut [f64],
+);
+
+impl WithSimd for Fill<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.0.fill();
+    }
+}
+
+impl WithSimd for Interpolate<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self(collocation, table, z, wrap, out) = self;
+        collocation.interpolate_in_vectors(table, z, wrap, out);
+    }
+}
+
 /// Rows of the table times the nodes of an interval, n values each.
+#[inline(always)]
 fn combine(table: &[f64], nodes: &[f64], n: usize, out: &mut [f64]) {
     let m = out.len() / n;
     for (weights, out) in table.chunks_exact(m + 1).zip(out.chunks_exact_mut(n)) {

@@ -4,7 +4,11 @@
 //! inner nodes and leaves `A_i` `x_i` + `B_i` `x_{i+1}` = `r_i`. Householder reflections of neighbouring intervals then remove
 //! `x_1` … `x_{N-1}` in turn (stable without pivoting between blocks: S. J. Wright, SIAM J. Sci. Stat. Comput. 13, 1992) and
 //! leave A `x_0` + B `x_N` = r. Columns, rows, null vectors and multipliers all use this one factorisation.
+#![allow(clippy::inline_always)] // only what is inlined is compiled for the vectors of the machine
 
+use pulp::{Arch, Simd, WithSimd};
+
+use super::kernel::{Four, WIDTH, eliminate, lower, reflect, upper, upper_transposed};
 use crate::dense::{axpy, dot};
 
 #[derive(Clone, Debug, Default)]
@@ -12,20 +16,19 @@ pub(crate) struct Condensed {
     pub(crate) n: usize,
     pub(crate) m: usize,
     pub(crate) count: usize,
-    /// Per interval mn × (m + 1)n, overwritten by L and U.
+    /// Per interval mn × (m + 1)n, overwritten by L and U; rows are filled up with zeros to whole vectors.
     pub(crate) blocks: Vec<f64>,
     pivots: Vec<usize>,
     /// Per merge: n reflectors of length 2n.
     reflectors: Vec<f64>,
     betas: Vec<f64>,
-    /// Per merge: R | E | F, n × 3n: R `x_i` + E `x_0` + F `x_{i+1}`.
-    pub(crate) merged: Vec<f64>,
+    /// Per merge: R | E | F, n × 3n in rows of whole vectors: R `x_i` + E `x_0` + F `x_{i+1}`.
+    merged: Vec<f64>,
     /// Last A and B.
     pub(crate) a: Vec<f64>,
     pub(crate) b: Vec<f64>,
     work: Vec<f64>,
-    sums: Vec<f64>,
-    panel: Vec<f64>,
+    panel: Vec<Four>,
 }
 
 impl Condensed {
@@ -36,12 +39,11 @@ impl Condensed {
         self.pivots.resize(count * self.inner(), 0);
         self.reflectors.resize(count * 2 * n * n, 0.0);
         self.betas.resize(count * n, 0.0);
-        self.merged.resize(count * 3 * n * n, 0.0);
+        self.merged.resize(count * n * self.merged_stride(), 0.0);
         self.a.resize(n * n, 0.0);
         self.b.resize(n * n, 0.0);
-        self.work.resize(2 * n * 3 * n, 0.0);
-        self.sums.resize(3 * n, 0.0);
-        self.panel.resize(PANEL * m * n, 0.0);
+        self.work.resize(2 * n * self.merged_stride(), 0.0);
+        self.panel.resize(m * n, [0.0; WIDTH]);
     }
 
     pub(crate) fn inner(&self) -> usize {
@@ -53,8 +55,19 @@ impl Condensed {
     pub(crate) fn width(&self) -> usize {
         (self.m + 1) * self.n
     }
+    /// From one row of a block to the next.
+    pub(crate) fn stride(&self) -> usize {
+        self.width().next_multiple_of(WIDTH)
+    }
+    fn merged_stride(&self) -> usize {
+        (3 * self.n).next_multiple_of(WIDTH)
+    }
     pub(crate) fn block_size(&self) -> usize {
-        self.rows() * self.width()
+        self.rows() * self.stride()
+    }
+    fn merge_of(&self, i: usize) -> &[f64] {
+        let size = self.n * self.merged_stride();
+        &self.merged[(i - 1) * size..i * size]
     }
 
     fn block(&self, i: usize) -> &[f64] {
@@ -63,18 +76,23 @@ impl Condensed {
 
     /// `A_i` and `B_i`, row r: (A row, B row).
     pub(crate) fn ends(&self, i: usize, r: usize) -> (&[f64], &[f64]) {
-        let (w, q, n) = (self.width(), self.inner(), self.n);
-        let row = &self.block(i)[(q + r) * w + q..(q + r + 1) * w];
+        let (s, q, n) = (self.stride(), self.inner(), self.n);
+        let row = &self.block(i)[(q + r) * s + q..(q + r) * s + q + 2 * n];
         row.split_at(n)
     }
 
     /// Factors the filled blocks. False where an entry is not finite.
     pub(crate) fn factor(&mut self) -> bool {
-        let (q, w, size) = (self.inner(), self.width(), self.block_size());
+        Arch::new().dispatch(Factor(self))
+    }
+
+    #[inline(always)]
+    fn factor_in_vectors(&mut self) -> bool {
+        let (q, s, size) = (self.inner(), self.stride() / WIDTH, self.block_size());
         for i in 0..self.count {
-            let block = &mut self.blocks[i * size..(i + 1) * size];
+            let (block, _) = self.blocks[i * size..(i + 1) * size].as_chunks_mut();
             let pivots = &mut self.pivots[i * q..(i + 1) * q];
-            if !eliminate(block, w, q, pivots, &mut self.panel) {
+            if !eliminate(block, s, q, pivots, &mut self.panel) {
                 return false;
             }
         }
@@ -82,11 +100,11 @@ impl Condensed {
         self.a.iter().chain(&self.b).all(|x| x.is_finite())
     }
 
+    #[inline(always)]
     fn merge(&mut self) {
         let n = self.n;
-        let w = 3 * n;
+        let w = self.merged_stride();
         let mut work = std::mem::take(&mut self.work);
-        let mut sums = std::mem::take(&mut self.sums);
         let (mut first, mut last) = (std::mem::take(&mut self.a), std::mem::take(&mut self.b));
         for r in 0..n {
             let (a, b) = self.ends(0, r);
@@ -107,7 +125,8 @@ impl Condensed {
                 let row = &mut work[(n + r) * w..(n + r + 1) * w];
                 row[..n].copy_from_slice(a);
                 row[n..2 * n].fill(0.0);
-                row[2 * n..].copy_from_slice(b);
+                row[2 * n..3 * n].copy_from_slice(b);
+                row[3 * n..].fill(0.0);
             }
             let reflectors = &mut self.reflectors[(i - 1) * 2 * n * n..i * 2 * n * n];
             let betas = &mut self.betas[(i - 1) * n..i * n];
@@ -127,9 +146,9 @@ impl Condensed {
                 v[k] = head;
                 let beta = if norm > 0.0 { 2.0 / norm } else { 0.0 };
                 betas[k] = beta;
-                let sums = &mut sums[..w - k - 1];
-                sums.fill(0.0);
-                reflect(&v[k..], beta, &mut work[k * w..], w, k + 1, sums);
+                // Columns before k are not read again.
+                let (rows, _) = work[k * w..].as_chunks_mut();
+                reflect(&v[k..], beta, rows, w / WIDTH, k / WIDTH);
                 // The diagonal is kept inverted, as in the blocks.
                 work[k * w + k] = 1.0 / alpha;
             }
@@ -137,23 +156,30 @@ impl Condensed {
             for r in 0..n {
                 let row = &work[(n + r) * w..(n + r + 1) * w];
                 self.a[r * n..(r + 1) * n].copy_from_slice(&row[n..2 * n]);
-                self.b[r * n..(r + 1) * n].copy_from_slice(&row[2 * n..]);
+                self.b[r * n..(r + 1) * n].copy_from_slice(&row[2 * n..3 * n]);
             }
         }
-        (self.work, self.sums) = (work, sums);
+        self.work = work;
     }
 
     /// Carries a right-hand side (N m n, overwritten) to the last equations.
     pub(crate) fn forward(&self, column: &mut [f64], mids: &mut Vec<f64>, out: &mut [f64]) {
-        let (n, q, w, rows) = (self.n, self.inner(), self.width(), self.rows());
-        mids.resize(self.count.saturating_sub(1) * n, 0.0);
+        mids.resize(self.count.saturating_sub(1) * self.n, 0.0);
+        Arch::new().dispatch(Forward(self, column, mids, out));
+    }
+
+    #[inline(always)]
+    fn forward_in_vectors(&self, column: &mut [f64], mids: &mut [f64], out: &mut [f64]) {
+        let (n, q, rows) = (self.n, self.inner(), self.rows());
+        let s = self.stride() / WIDTH;
         let mut t = vec![0.0; 2 * n];
+        let mut known = vec![[0.0; WIDTH]; s];
         for i in 0..self.count {
             let c = &mut column[i * rows..(i + 1) * rows];
             for (k, p) in self.pivots[i * q..(i + 1) * q].iter().enumerate() {
                 c.swap(k, *p);
             }
-            lower(self.block(i), w, q, c);
+            lower(self.block(i).as_chunks().0, s, q, c, &mut known);
             if i == 0 {
                 out.copy_from_slice(&c[q..]);
                 continue;
@@ -179,35 +205,51 @@ impl Condensed {
         carried: Option<(&[f64], &[f64])>,
         out: &mut [f64],
     ) {
-        let (n, q, w, rows) = (self.n, self.inner(), self.width(), self.rows());
+        Arch::new().dispatch(Backward(self, x0, last, carried, out));
+    }
+
+    #[inline(always)]
+    fn backward_in_vectors(
+        &self,
+        x0: &[f64],
+        last: &[f64],
+        carried: Option<(&[f64], &[f64])>,
+        out: &mut [f64],
+    ) {
+        let (n, q, rows) = (self.n, self.inner(), self.rows());
+        let (s, t) = (self.stride() / WIDTH, self.merged_stride() / WIDTH);
         out[..n].copy_from_slice(x0);
         // Of every pair of eliminated equations the unknowns are (here | x_0 | right), of every interval (inner | left | right).
-        let mut y = vec![0.0; w];
+        let mut room = vec![[0.0; WIDTH]; s.max(t)];
+        let y = room.as_flattened_mut();
         y[n..2 * n].copy_from_slice(x0);
         y[2 * n..3 * n].copy_from_slice(last);
         for i in (1..self.count).rev() {
+            let y = room.as_flattened_mut();
             match carried {
                 Some((_, mids)) => y[..n].copy_from_slice(&mids[(i - 1) * n..i * n]),
                 None => y[..n].fill(0.0),
             }
-            let merged = &self.merged[(i - 1) * 3 * n * n..i * 3 * n * n];
-            upper(merged, 3 * n, n, &mut y[..3 * n]);
+            upper(self.merge_of(i).as_chunks().0, t, n, &mut room[..t]);
+            let y = room.as_flattened_mut();
             out[i * rows..i * rows + n].copy_from_slice(&y[..n]);
             y.copy_within(..n, 2 * n);
         }
+        room.fill([0.0; WIDTH]);
         for i in 0..self.count {
+            let y = room.as_flattened_mut();
             match carried {
                 Some((data, _)) => y[..q].copy_from_slice(&data[i * rows..i * rows + q]),
                 None => y[..q].fill(0.0),
             }
             y[q..q + n].copy_from_slice(&out[i * rows..i * rows + n]);
             if i + 1 < self.count {
-                y[q + n..].copy_from_slice(&out[(i + 1) * rows..(i + 1) * rows + n]);
+                y[q + n..q + 2 * n].copy_from_slice(&out[(i + 1) * rows..(i + 1) * rows + n]);
             } else {
-                y[q + n..].copy_from_slice(last);
+                y[q + n..q + 2 * n].copy_from_slice(last);
             }
-            upper(self.block(i), w, q, &mut y);
-            out[i * rows + n..(i + 1) * rows].copy_from_slice(&y[..q]);
+            upper(self.block(i).as_chunks().0, s, q, &mut room[..s]);
+            out[i * rows + n..(i + 1) * rows].copy_from_slice(&room.as_flattened()[..q]);
         }
     }
 
@@ -219,38 +261,47 @@ impl Condensed {
         mids: &mut Vec<f64>,
         out: &mut [f64],
     ) {
-        let (n, q, w, rows) = (self.n, self.inner(), self.width(), self.rows());
-        inner.resize(self.count * q, 0.0);
-        mids.resize(self.count.saturating_sub(1) * n, 0.0);
+        inner.resize(self.count * self.inner(), 0.0);
+        mids.resize(self.count.saturating_sub(1) * self.n, 0.0);
+        Arch::new().dispatch(ReduceRow(self, row, inner, mids, out));
+    }
+
+    #[inline(always)]
+    fn reduce_row_in_vectors(
+        &self,
+        row: &[f64],
+        inner: &mut [f64],
+        mids: &mut [f64],
+        out: &mut [f64],
+    ) {
+        let (n, q, rows) = (self.n, self.inner(), self.rows());
+        let (s, t) = (self.stride() / WIDTH, self.merged_stride() / WIDTH);
         let mut points = vec![0.0; (self.count + 1) * n];
-        let mut d = vec![0.0; w];
+        let mut room = vec![[0.0; WIDTH]; s.max(t)];
         for i in 0..self.count {
+            let d = room.as_flattened_mut();
             d[..q].copy_from_slice(&row[i * rows + n..(i + 1) * rows]);
             d[q..].fill(0.0);
-            let block = self.block(i);
-            for k in 0..q {
-                let u = &block[k * w..(k + 1) * w];
-                let l = d[k] * u[k];
-                inner[i * q + k] = l;
-                axpy(-l, &u[k + 1..], &mut d[k + 1..]);
-            }
+            upper_transposed(self.block(i).as_chunks().0, s, q, &mut room[..s]);
+            let d = room.as_flattened();
+            inner[i * q..(i + 1) * q].copy_from_slice(&d[..q]);
             for k in 0..n {
                 points[i * n + k] += row[i * rows + k] + d[q + k];
                 points[(i + 1) * n + k] += d[q + n + k];
             }
         }
         for i in 1..self.count {
-            let merged = &self.merged[(i - 1) * 3 * n * n..i * 3 * n * n];
-            let (left, right) = points.split_at_mut((i + 1) * n);
-            let (head, here) = left.split_at_mut(i * n);
-            for k in 0..n {
-                let u = &merged[k * 3 * n..(k + 1) * 3 * n];
-                let l = here[k] * u[k];
-                mids[(i - 1) * n + k] = l;
-                axpy(-l, &u[k + 1..n], &mut here[k + 1..]);
-                axpy(-l, &u[n..2 * n], &mut head[..n]);
-                axpy(-l, &u[2 * n..], &mut right[..n]);
-            }
+            // (here | x_0 | right)
+            let d = room.as_flattened_mut();
+            d[..n].copy_from_slice(&points[i * n..(i + 1) * n]);
+            d[n..2 * n].copy_from_slice(&points[..n]);
+            d[2 * n..3 * n].copy_from_slice(&points[(i + 1) * n..(i + 2) * n]);
+            d[3 * n..].fill(0.0);
+            upper_transposed(self.merge_of(i).as_chunks().0, t, n, &mut room[..t]);
+            let d = room.as_flattened();
+            mids[(i - 1) * n..i * n].copy_from_slice(&d[..n]);
+            points[..n].copy_from_slice(&d[n..2 * n]);
+            points[(i + 1) * n..(i + 2) * n].copy_from_slice(&d[2 * n..3 * n]);
         }
         out[..n].copy_from_slice(&points[..n]);
         out[n..].copy_from_slice(&points[self.count * n..]);
@@ -278,7 +329,7 @@ impl Condensed {
     /// The left vector over all equations (N m n) whose part on the last ones is w; `row` gives the weight and multipliers of
     /// a border row.
     pub(crate) fn left(&self, w: &[f64], row: Option<(f64, &[f64], &[f64])>, out: &mut [f64]) {
-        let (n, q, width, rows) = (self.n, self.inner(), self.width(), self.rows());
+        let (n, q, width, rows) = (self.n, self.inner(), self.stride(), self.rows());
         let mut carry = w.to_vec();
         let mut t = vec![0.0; 2 * n];
         for i in (0..self.count).rev() {
@@ -315,208 +366,55 @@ impl Condensed {
     }
 }
 
-/// (I - β v vᵀ) on the columns from `from` of as many rows of `w` columns as v has entries; `sums` begins at zero.
-fn reflect(v: &[f64], beta: f64, rows: &mut [f64], w: usize, from: usize, sums: &mut [f64]) {
-    let n = sums.len();
-    let mut groups = v.chunks_exact(4);
-    let mut blocks = rows.chunks_exact(4 * w);
-    for (v, block) in groups.by_ref().zip(blocks.by_ref()) {
-        let at = |k: usize| &block[k * w + from..k * w + from + n];
-        let (a, b, c, d) = (at(0), at(1), at(2), at(3));
-        for j in 0..n {
-            sums[j] += ((v[0] * a[j] + v[1] * b[j]) + v[2] * c[j]) + v[3] * d[j];
-        }
-    }
-    let done = v.len() - groups.remainder().len();
-    for (v, row) in groups
-        .remainder()
-        .iter()
-        .zip(rows[done * w..].chunks_exact(w))
-    {
-        axpy(*v, &row[from..from + n], sums);
-    }
-    for (v, row) in v.iter().zip(rows.chunks_exact_mut(w)) {
-        axpy(-beta * v, sums, &mut row[from..from + n]);
+/// What is compiled for the vectors of the machine, with all it calls.
+struct Factor<'a>(&'a mut Condensed);
+struct Forward<'a>(&'a Condensed, &'a mut [f64], &'a mut [f64], &'a mut [f64]);
+struct Backward<'a>(
+    &'a Condensed,
+    &'a [f64],
+    &'a [f64],
+    Option<(&'a [f64], &'a [f64])>,
+    &'a mut [f64],
+);
+struct ReduceRow<'a>(
+    &'a Condensed,
+    &'a [f64],
+    &'a mut [f64],
+    &'a mut [f64],
+    &'a mut [f64],
+);
+
+impl WithSimd for Factor<'_> {
+    type Output = bool;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        self.0.factor_in_vectors()
     }
 }
 
-/// Columns that are eliminated together, so that what lies to their right is read and written once for all of them.
-const PANEL: usize = 4;
-
-/// Gaussian elimination of the first q columns of a row-major block of w columns; the diagonal of U is kept inverted.
-/// `panel` is room for the columns at work, which are contiguous there.
-fn eliminate(
-    block: &mut [f64],
-    w: usize,
-    q: usize,
-    pivots: &mut [usize],
-    panel: &mut [f64],
-) -> bool {
-    let rows = block.len() / w;
-    let mut first = 0;
-    while first < q {
-        let end = (first + PANEL).min(q);
-        for (c, column) in panel.chunks_exact_mut(rows).take(end - first).enumerate() {
-            let from = block[first + c..].iter().step_by(w);
-            for (x, y) in column.iter_mut().zip(from).skip(first) {
-                *x = *y;
-            }
-        }
-        for k in first..end {
-            let (before, now) = panel.split_at_mut((k - first) * rows);
-            let (column, after) = now.split_at_mut(rows);
-            let mut pivot = k;
-            let mut best = column[k].abs();
-            for (r, x) in column.iter().enumerate().skip(k + 1) {
-                let size = x.abs();
-                if size > best {
-                    best = size;
-                    pivot = r;
-                }
-            }
-            pivots[k] = pivot;
-            if !(best > 0.0 && best.is_finite()) {
-                return false;
-            }
-            if pivot != k {
-                for other in before
-                    .chunks_exact_mut(rows)
-                    .chain(after.chunks_exact_mut(rows).take(end - k - 1))
-                {
-                    other.swap(k, pivot);
-                }
-                column.swap(k, pivot);
-                let (top, bottom) = block.split_at_mut(pivot * w);
-                top[k * w..(k + 1) * w].swap_with_slice(&mut bottom[..w]);
-            }
-            let inverse = 1.0 / column[k];
-            column[k] = inverse;
-            let multipliers = &mut column[k + 1..];
-            for l in multipliers.iter_mut() {
-                *l *= inverse;
-            }
-            for other in after.chunks_exact_mut(rows).take(end - k - 1) {
-                let (head, tail) = other.split_at_mut(k + 1);
-                axpy(-head[k], multipliers, tail);
-            }
-        }
-        for (c, column) in panel.chunks_exact(rows).take(end - first).enumerate() {
-            let to = block[first + c..].iter_mut().step_by(w);
-            for (x, y) in to.zip(column).skip(first) {
-                *x = *y;
-            }
-        }
-        for k in first + 1..end {
-            let (top, bottom) = block.split_at_mut(k * w);
-            let (multipliers, tail) = bottom[..w].split_at_mut(end);
-            for (l, above) in multipliers[first..k].iter().zip(first..k) {
-                axpy(-l, &top[above * w + end..(above + 1) * w], tail);
-            }
-        }
-        let (top, bottom) = block.split_at_mut(end * w);
-        if end - first == PANEL {
-            let above: [&[f64]; PANEL] =
-                std::array::from_fn(|k| &top[(first + k) * w + end..(first + k + 1) * w]);
-            for row in bottom.chunks_exact_mut(w) {
-                let (multipliers, tail) = row.split_at_mut(end);
-                let l: [f64; PANEL] = std::array::from_fn(|k| multipliers[first + k]);
-                subtract(l, above, tail);
-            }
-        } else {
-            for row in bottom.chunks_exact_mut(w) {
-                let (multipliers, tail) = row.split_at_mut(end);
-                for k in first..end {
-                    axpy(-multipliers[k], &top[k * w + end..(k + 1) * w], tail);
-                }
-            }
-        }
-        first = end;
-    }
-    true
-}
-
-/// y -= Σ `l_k` `x_k`, the terms in order.
-fn subtract(l: [f64; PANEL], x: [&[f64]; PANEL], y: &mut [f64]) {
-    let n = y.len();
-    let [a, b, c, d] = x.map(|x| &x[..n]);
-    for j in 0..n {
-        y[j] = (((y[j] - l[0] * a[j]) - l[1] * b[j]) - l[2] * c[j]) - l[3] * d[j];
+impl WithSimd for Forward<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self(condensed, column, mids, out) = self;
+        condensed.forward_in_vectors(column, mids, out);
     }
 }
 
-/// Four rows times x.
-fn products(rows: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
-    let n = x.len();
-    let rows = rows.map(|row| &row[..n]);
-    let mut sums = [[0.0; 2]; 4];
-    let whole = n - n % 2;
-    for j in (0..whole).step_by(2) {
-        for k in 0..4 {
-            sums[k][0] += rows[k][j] * x[j];
-            sums[k][1] += rows[k][j + 1] * x[j + 1];
-        }
-    }
-    if whole < n {
-        for k in 0..4 {
-            sums[k][0] += rows[k][whole] * x[whole];
-        }
-    }
-    sums.map(|s| s[0] + s[1])
-}
-
-/// L⁻¹ on the rows of an eliminated block, after its row exchanges.
-fn lower(block: &[f64], w: usize, q: usize, x: &mut [f64]) {
-    let rows = x.len();
-    let mut first = 0;
-    while first < rows {
-        let end = (first + 4).min(rows);
-        let known = first.min(q);
-        let (done, rest) = x.split_at_mut(first);
-        if end - first == 4 {
-            let at = |r: usize| &block[(first + r) * w..(first + r) * w + known];
-            let sums = products([at(0), at(1), at(2), at(3)], &done[..known]);
-            for (x, s) in rest.iter_mut().zip(sums) {
-                *x -= s;
-            }
-        } else {
-            for r in first..end {
-                rest[r - first] -= dot(&block[r * w..r * w + known], &done[..known]);
-            }
-        }
-        for r in first + 1..end {
-            for c in first..r.min(q) {
-                rest[r - first] -= block[r * w + c] * rest[c - first];
-            }
-        }
-        first = end;
+impl WithSimd for Backward<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self(condensed, x0, last, carried, out) = self;
+        condensed.backward_in_vectors(x0, last, carried, out);
     }
 }
 
-/// y[..q] from the right-hand side there and the known y[q..w], U being the first q rows of a block with inverted diagonal.
-fn upper(block: &[f64], w: usize, q: usize, y: &mut [f64]) {
-    let mut end = q;
-    while end > 0 {
-        let first = end.saturating_sub(4);
-        let (head, known) = y.split_at_mut(end);
-        if end - first == 4 {
-            let at = |r: usize| &block[(first + r) * w + end..(first + r + 1) * w];
-            let sums = products([at(0), at(1), at(2), at(3)], known);
-            for (x, s) in head[first..].iter_mut().zip(sums) {
-                *x -= s;
-            }
-        } else {
-            for r in first..end {
-                head[r] -= dot(&block[r * w + end..(r + 1) * w], known);
-            }
-        }
-        for r in (first..end).rev() {
-            let row = &block[r * w..r * w + end];
-            let mut s = head[r];
-            for c in r + 1..end {
-                s -= row[c] * head[c];
-            }
-            head[r] = s * row[r];
-        }
-        end = first;
+impl WithSimd for ReduceRow<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self(condensed, row, inner, mids, out) = self;
+        condensed.reduce_row_in_vectors(row, inner, mids, out);
     }
 }

@@ -69,7 +69,7 @@ impl Cycles<'_> {
             return Vec::new();
         }
         let phase = &self.frame.phase.nodes;
-        normal::coefficients(&self.c, &self.bordered, phase, mode, angle).unwrap_or_default()
+        normal::coefficients_alone(&self.c, &self.bordered, phase, mode, angle).unwrap_or_default()
     }
 }
 
@@ -122,7 +122,13 @@ impl Manifold for Cycles<'_> {
 
     fn factor(&mut self, z: &[f64]) -> Result<(), Failure> {
         self.c.linearise(z)?;
-        self.bordered.columns(&self.c.condensed, &self.c.columns);
+        let columns: Vec<Option<&[f64]>> = self
+            .c
+            .columns
+            .iter()
+            .map(|column| Some(column.as_slice()))
+            .collect();
+        self.bordered.columns(&self.c.condensed, &columns);
         Ok(())
     }
 

@@ -6,6 +6,7 @@ mod condense;
 mod cycle;
 pub(crate) mod floquet;
 pub(crate) mod frame;
+mod kernel;
 pub(crate) mod manifold;
 mod mesh;
 pub(crate) mod normal;

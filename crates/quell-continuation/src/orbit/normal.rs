@@ -10,31 +10,51 @@ use super::bordered::Bordered;
 use super::collocation::Collocation;
 use crate::curve::{Mode, ReducedPhase, Variation};
 use crate::dense::Lu;
-use crate::equilibrium::normal::{Forms, bilinear, conj};
+use crate::equilibrium::normal::{bilinear, conj};
 
 type C = Complex64;
 
 /// Coefficients of a critical cycle as [`Kind`](crate::Kind) states them, at the linearisation at hand; None where second or third
 /// derivatives are not available or a system is singular.
-pub(crate) fn coefficients(
+pub(crate) fn coefficients_alone(
     c: &Collocation<'_>,
     bordered: &Bordered,
     phase: &[f64],
     mode: Mode,
     angle: f64,
 ) -> Option<Vec<f64>> {
-    let point = Point::new(c, bordered, phase);
-    let own = point.phase.as_ref().filter(|_| mode == Mode::Fold);
-    let mu = match mode {
+    let own = (c.autonomous && mode == Mode::Fold).then(|| ReducedPhase::of(c, bordered, phase));
+    let mu = multiplier(mode, angle);
+    let mut variation = Variation::default();
+    variation.begin(c, bordered, mu, own.as_ref());
+    if !variation.solve(c, bordered, mu, own.as_ref()) {
+        return None;
+    }
+    let (found, _) = coefficients(c, bordered, phase, mode, angle, &variation)?;
+    Some(found)
+}
+
+/// The critical multiplier.
+fn multiplier(mode: Mode, angle: f64) -> C {
+    match mode {
         Mode::Fold => C::new(1.0, 0.0),
         Mode::Doubling => C::new(-1.0, 0.0),
         Mode::Torus => C::from_polar(1.0, angle),
-    };
-    let mut variation = Variation::default();
-    variation.begin(c, bordered, mu, own);
-    if !variation.solve(c, bordered, mu, own) {
-        return None;
     }
+}
+
+/// The same where the null functions of the linearisation are known, and ⟨w, v⟩ of those, each of unit length: where it
+/// vanishes, at strong resonances, the coefficients have poles.
+pub(crate) fn coefficients(
+    c: &Collocation<'_>,
+    bordered: &Bordered,
+    phase: &[f64],
+    mode: Mode,
+    angle: f64,
+    variation: &Variation,
+) -> Option<(Vec<f64>, C)> {
+    let point = Point::new(c, bordered, phase);
+    let mu = multiplier(mode, angle);
     let part = |k: usize| -> Vec<f64> {
         let mut out = vec![0.0; c.nodes()];
         if !variation.v[k].is_empty() {
@@ -98,7 +118,11 @@ pub(crate) fn coefficients(
             vec![d.re, d.im]
         }
     };
-    found.iter().all(|x| x.is_finite()).then_some(found)
+    let length = left.iter().map(C::norm_sqr).sum::<f64>().sqrt();
+    found
+        .iter()
+        .all(|x| x.is_finite())
+        .then_some((found, norm / length))
 }
 
 /// The linearisation with what every integral needs.
@@ -156,33 +180,66 @@ impl<'c, 'p> Point<'c, 'p> {
         out
     }
 
-    fn forms(&self, e: usize) -> Forms<'_> {
+    /// A form of f in complex directions at every Gauss point: that in their real and imaginary parts, summed.
+    fn form(
+        &self,
+        directions: &[&[C]],
+        of: impl Fn(usize, &[&[f64]], &mut [f64]) -> bool,
+    ) -> Option<Vec<C>> {
         let n = self.c.n;
-        Forms {
-            problem: self.c.problem,
-            t: self.c.times[e],
-            x: &self.c.states[e * n..(e + 1) * n],
-            p: &self.c.parameters,
+        let parts: Vec<[Vec<f64>; 2]> = directions
+            .iter()
+            .map(|v| {
+                [
+                    v.iter().map(|x| x.re).collect(),
+                    v.iter().map(|x| x.im).collect(),
+                ]
+            })
+            .collect();
+        let mut out = vec![C::default(); self.c.nodes()];
+        let mut value = vec![0.0; n];
+        for choice in 0..1_usize << parts.len() {
+            let chosen: Vec<&[f64]> = parts
+                .iter()
+                .enumerate()
+                .map(|(k, part)| part[choice >> k & 1].as_slice())
+                .collect();
+            if chosen.iter().any(|part| part.iter().all(|x| *x == 0.0)) {
+                continue;
+            }
+            let unit = C::i().powu(choice.count_ones());
+            let mut here = chosen.clone();
+            for (e, out) in out.chunks_exact_mut(n).enumerate() {
+                for (here, all) in here.iter_mut().zip(&chosen) {
+                    *here = &all[e * n..(e + 1) * n];
+                }
+                if !of(e, &here, &mut value) {
+                    return None;
+                }
+                for (o, x) in out.iter_mut().zip(&value) {
+                    *o += unit * *x;
+                }
+            }
         }
+        Some(out)
     }
 
     fn second(&self, u: &[C], v: &[C]) -> Option<Vec<C>> {
-        let n = self.c.n;
-        let mut out = Vec::with_capacity(u.len());
-        for (e, (u, v)) in u.chunks_exact(n).zip(v.chunks_exact(n)).enumerate() {
-            out.extend(self.forms(e).second(u, v)?);
-        }
-        Some(out)
+        let (c, n) = (self.c, self.c.n);
+        self.form(&[u, v], |e, d, out| {
+            let x = &c.states[e * n..(e + 1) * n];
+            c.problem
+                .second(c.times[e], x, &c.parameters, d[0], d[1], out)
+        })
     }
 
     fn third(&self, u: &[C], v: &[C], w: &[C]) -> Option<Vec<C>> {
-        let n = self.c.n;
-        let mut out = Vec::with_capacity(u.len());
-        for e in 0..u.len() / n {
-            let at = |x: &'_ [C]| x[e * n..(e + 1) * n].to_vec();
-            out.extend(self.forms(e).third(&at(u), &at(v), &at(w))?);
-        }
-        Some(out)
+        let (c, n) = (self.c, self.c.n);
+        self.form(&[u, v, w], |e, d, out| {
+            let x = &c.states[e * n..(e + 1) * n];
+            c.problem
+                .third(c.times[e], x, &c.parameters, d[0], d[1], d[2], out)
+        })
     }
 
     /// h at Gauss points with h' = A h + g - a f and h(T) = μ h(0), and a: zero but at μ = 1 of an autonomous problem, where it

@@ -1,7 +1,7 @@
 //! Newton's iteration on a hyperplane, and the tangent.
 
 use super::{Failure, Manifold, Node, inner};
-use crate::settings::Settings;
+use crate::settings::{Correction, Settings};
 
 /// What a correction cost.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,6 +34,31 @@ impl<'a> Corrector<'a> {
         target: f64,
         reuse: bool,
     ) -> Result<Quality, Failure> {
+        self.newton(m, z, row.to_vec(), Some(target), reuse)
+    }
+
+    /// Brings a predicted z onto the branch, as the settings say; `row` and `target` are the plane across the tangent before.
+    pub(crate) fn step<M: Manifold>(
+        &mut self,
+        m: &mut M,
+        z: &mut [f64],
+        row: &[f64],
+        target: f64,
+        reuse: bool,
+    ) -> Result<Quality, Failure> {
+        let fixed = self.settings.correction == Correction::PseudoArclength;
+        self.newton(m, z, row.to_vec(), fixed.then_some(target), reuse)
+    }
+
+    /// Newton in the plane row · z = target, or without a target across the null vector of each iteration, `row` being the first.
+    fn newton<M: Manifold>(
+        &mut self,
+        m: &mut M,
+        z: &mut [f64],
+        mut row: Vec<f64>,
+        target: Option<f64>,
+        reuse: bool,
+    ) -> Result<Quality, Failure> {
         let n = m.len();
         let tolerance = self.settings.newton_tolerance;
         let mut quality = Quality::default();
@@ -41,10 +66,10 @@ impl<'a> Corrector<'a> {
         let chord = m.chord();
         let mut fresh = false;
         if reuse && chord {
-            m.border(row)?;
+            m.border(&row)?;
         } else {
             m.factor(z)?;
-            m.border(row)?;
+            m.border(&row)?;
             fresh = true;
         }
         let limit = if chord {
@@ -58,12 +83,27 @@ impl<'a> Corrector<'a> {
             for r in &mut self.rhs[..n - 1] {
                 *r = -*r;
             }
-            let mut along = 0.0;
-            for (r, z) in row.iter().zip(z.iter()) {
-                along += r * z;
-            }
-            self.rhs[n - 1] = target - along;
+            self.rhs[n - 1] = target.map_or(0.0, |target| {
+                let mut along = 0.0;
+                for (r, z) in row.iter().zip(z.iter()) {
+                    along += r * z;
+                }
+                target - along
+            });
             m.solve(&mut self.rhs);
+            if target.is_none() {
+                // The null vector at hand; its plane is the next iteration's.
+                let mut null = vec![0.0; n];
+                null[n - 1] = 1.0;
+                m.solve(&mut null);
+                let length = inner(m.weights(), &null, &null).sqrt();
+                if !(length > 0.0 && length.is_finite()) {
+                    return Err(Failure::Singular);
+                }
+                for ((row, null), weight) in row.iter_mut().zip(&null).zip(m.weights()) {
+                    *row = weight * null / length;
+                }
+            }
             let size = inner(m.weights(), &self.rhs, &self.rhs).sqrt();
             if !size.is_finite() {
                 return Err(Failure::NotFinite);
@@ -72,10 +112,16 @@ impl<'a> Corrector<'a> {
             // An old factorisation that converges slowly is replaced, and the step just computed is not taken.
             if chord && !fresh && (iteration > 1 && ratio > 0.25 || size > 0.5) {
                 m.factor(z)?;
-                m.border(row)?;
+                m.border(&row)?;
                 fresh = true;
                 previous = f64::INFINITY;
                 continue;
+            }
+            if m.keeps() && size < tolerance {
+                // The point stays where its factorisation is.
+                quality.iterations = iteration;
+                quality.last = size;
+                return Ok(quality);
             }
             if size > 1e3 || iteration > 2 && ratio > 2.0 && size > tolerance * 1e3 {
                 return Err(Failure::NoConvergence(size));
@@ -104,8 +150,10 @@ impl<'a> Corrector<'a> {
             previous = size;
             if !chord || fresh && ratio > 0.2 && iteration > 1 {
                 m.factor(z)?;
-                m.border(row)?;
+                m.border(&row)?;
                 fresh = true;
+            } else if target.is_none() {
+                m.border(&row)?;
             }
         }
         Err(Failure::NoConvergence(quality.last))

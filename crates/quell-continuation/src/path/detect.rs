@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use super::correct::Corrector;
 use super::matching::assign;
-use super::{Failure, Found, Label, Located, Manifold, Node, Trigger, inner};
+use super::{Attention, Failure, Found, Label, Located, Manifold, Node, Trigger, inner};
 use crate::dense::Spectrum;
 use crate::kind::{Certainty, Kind};
 
@@ -154,7 +154,13 @@ impl Corrector<'_> {
         follow: &Follow,
         mut bracket: Bracket,
     ) -> Option<(f64, Node, f64, Complex64)> {
-        let tolerance = 1e-13 * (1.0 + bracket.value[0].norm());
+        let mut tolerance = 1e-13 * (1.0 + bracket.value[0].norm());
+        m.attend(Attention::Spectrum);
+        if let Follow::Test(k) = follow {
+            m.attend(Attention::Test(*k));
+            // Test functions have no scale but their own.
+            tolerance = tolerance.max(1e-11 * (bracket.f[0].abs() + bracket.f[1].abs()));
+        }
         let mut best: Option<(f64, Node, f64, f64, Complex64)> = None;
         let mut weights = [1.0, 1.0];
         let mut last_width = f64::INFINITY;
@@ -214,6 +220,7 @@ impl Corrector<'_> {
                 break;
             }
         }
+        m.attend(Attention::All);
         best.map(|(s, node, error, _, value)| (s, node, error, value))
     }
 

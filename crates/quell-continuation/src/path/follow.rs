@@ -201,7 +201,7 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
             }
         }
         let target = origin + step;
-        let attempt = match corrector.correct(m, &mut z, &row, target, current) {
+        let attempt = match corrector.step(m, &mut z, &row, target, current) {
             Ok(quality) => corrector.node(m, z, &row).map(|n| (quality, n)),
             Err(failure) => Err(failure),
         };

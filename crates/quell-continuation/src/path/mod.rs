@@ -46,6 +46,12 @@ pub(crate) trait Manifold {
     fn chord(&self) -> bool {
         false
     }
+    /// Whether a factorisation costs so much more than a solution that the last one of a correction shall serve the point itself.
+    fn keeps(&self) -> bool {
+        false
+    }
+    /// Which test functions the next points need.
+    fn attend(&mut self, _which: Attention) {}
     /// Eigenvalues or multipliers at z, the factorisation being current; rates by dz/ds = tangent.
     fn spectrum(&mut self, z: &[f64], tangent: &[f64]) -> Spectrum;
     /// Signed distance of an eigenvalue from stability: positive is unstable.
@@ -90,6 +96,18 @@ pub(crate) trait Manifold {
     fn ends(&self, _kind: Kind) -> bool {
         false
     }
+}
+
+/// Which test functions are looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Attention {
+    /// All of them.
+    #[default]
+    All,
+    /// One.
+    Test(usize),
+    /// None: an eigenvalue is followed.
+    Spectrum,
 }
 
 /// A computed point with what detection needs.

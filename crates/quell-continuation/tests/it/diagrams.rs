@@ -69,6 +69,49 @@ fn mirror_images_are_counted_once() {
     );
 }
 
+/// x'' = p (x - c) - (x - c)³ + x' (½ - (x - c)²): rest at c ± √p loses its stability at p = ½ on either side, to cycles that are mirror
+/// images of each other about c.
+struct TwoWells(f64);
+impl Field for TwoWells {
+    const N: usize = 2;
+    const P: usize = 1;
+    fn f<R: Real>(&self, _t: R, x: &[R], p: &[R], out: &mut [R]) {
+        let from = x[0] - R::from(self.0);
+        out[0] = x[1];
+        out[1] = p[0] * from - from.cube() + x[1] * (R::from(0.5) - from.square());
+    }
+}
+
+#[test]
+fn of_mirrored_cycles_one_is_followed() {
+    let found = |centre: f64| {
+        let problem = Exact::<_, 2>(TwoWells(centre));
+        let s = DiagramSettings {
+            branch: Settings {
+                period_bound: 30.0,
+                ..Settings::new(&[(-0.3, 0.8)])
+            },
+            states: vec![(-2.0, 2.0), (0.0, 0.0)],
+            starts: 10,
+            depth: 1,
+        };
+        diagram(&problem, &[0.0], 0, &s).unwrap()
+    };
+    for (centre, odd, cycles) in [(0.0, true, 1), (0.125, false, 2)] {
+        let d = found(centre);
+        assert_eq!(d.odd, odd);
+        let hopf: Vec<f64> = d
+            .equilibria
+            .iter()
+            .flat_map(|m| m.branch.of(Kind::Hopf))
+            .map(|h| h.solution.parameters[0])
+            .collect();
+        // The branch of both wells is one, through the pitchfork.
+        assert!(hopf.iter().all(|p| (p - 0.5).abs() < 1e-6), "{hopf:?}");
+        assert_eq!((hopf.len(), d.cycles.len()), (2, cycles));
+    }
+}
+
 #[test]
 fn a_vertical_family_ends_as_degenerate() {
     let problem = Exact::<_, 2>(VanDerPol);

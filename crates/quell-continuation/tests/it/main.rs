@@ -19,11 +19,14 @@ mod support;
 
 mod bands;
 mod codimension;
+mod corrections;
 mod crossings;
 mod curves;
 mod cycles;
 mod diagrams;
 mod equilibria;
+mod growth;
+mod kept;
 mod meshes;
 mod normal_forms;
 mod region;

@@ -343,3 +343,24 @@ impl Field for CuspForm {
         out[0] = p[0] + p[1] * x[0] - x[0].cube();
     }
 }
+
+/// K / 2 oscillators in a chain, the first of them of van der Pol's kind; parameter mu.
+pub struct Chain<const K: usize>;
+impl<const K: usize> Field for Chain<K> {
+    const N: usize = K;
+    const P: usize = 1;
+    fn f<R: Real>(&self, _t: R, x: &[R], p: &[R], out: &mut [R]) {
+        let k = K / 2;
+        for i in 0..k {
+            out[i] = x[k + i];
+            let left = if i > 0 { x[i - 1] - x[i] } else { r!(0.0) };
+            let right = if i + 1 < k { x[i + 1] - x[i] } else { r!(0.0) };
+            let damping = if i == 0 {
+                p[0] * (r!(1.0) - x[i] * x[i])
+            } else {
+                r!(-0.05)
+            };
+            out[k + i] = -x[i] + r!(0.1) * (left + right) + damping * x[k + i];
+        }
+    }
+}

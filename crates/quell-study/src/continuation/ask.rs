@@ -1,6 +1,7 @@
 //! Branches, curves and diagrams as typed.
 
 use indexmap::IndexMap;
+use quell_continuation::Correction;
 use quell_expression::{Expression, Span, Unit};
 
 use crate::amount::Amount;
@@ -45,6 +46,8 @@ pub struct ContinuationTask {
     pub ranges: IndexMap<String, ParameterRange>,
     /// Where it begins.
     pub start: BranchStart,
+    /// curve: further points at which curves of the same plane begin.
+    pub more: Vec<BranchStart>,
     /// Values of the first parameter at which solutions are wanted.
     pub at: Vec<Amount>,
     /// Numbers taken from every solution.
@@ -53,6 +56,10 @@ pub struct ContinuationTask {
     pub oscillations: IndexMap<String, Measure>,
     /// branch: whether cycles born at Hopf points are followed too.
     pub cycles: bool,
+    /// diagram: where equilibria are sought, by coordinate, rate or state.
+    pub search: IndexMap<String, ParameterRange>,
+    /// How predicted points are brought onto a branch.
+    pub correction: Correction,
     /// diagram: how often branches of branches are followed.
     pub depth: usize,
     /// Most points in each direction.

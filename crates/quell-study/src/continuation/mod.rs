@@ -26,7 +26,7 @@ pub use record::{
     SpecialResult, StopResult,
 };
 pub use region::{AttractorOutcome, CellOutcome, RegionFindings};
-pub(crate) use solve::{Solved, solve};
+pub(crate) use solve::{Company, Solved, solve};
 pub(crate) use watch::Watcher;
 
 use quell_document::Fault;
@@ -63,6 +63,7 @@ pub(crate) fn check(
     let whole = inherited(study, task);
     let (model, ..) = solve::model(study, situation, &whole, None)?;
     solve::settings(situation, &whole, &model, &Watcher::default())?;
+    solve::searched(study, situation, &whole, &model)?;
     let names: Vec<&str> = task
         .parameters
         .iter()

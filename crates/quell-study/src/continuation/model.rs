@@ -173,6 +173,11 @@ impl Model {
             .collect()
     }
 
+    /// Coordinates, rates and states of the host with their dimensions.
+    pub(super) fn beginnings(&self) -> Vec<(String, Dimension)> {
+        self.host.beginnings()
+    }
+
     /// The system.
     pub(super) const fn system(&self) -> &System {
         &self.system

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use quell_continuation::{
-    Attractor, CurveSolutions, Equilibrium, Kind, ParameterSpan, RegionCell, RegionSettings,
-    Settings, region,
+    Attractor, CurveSolutions, Equilibrium, Interrupt, Kind, ParameterSpan, RegionCell,
+    RegionSettings, Settings, region,
 };
 use quell_model::system::StateKind;
 
@@ -12,7 +12,7 @@ use super::ask::ContinuationTask;
 use super::model::Model;
 use super::outcome::{BranchPoint, ContinuationFindings};
 use super::report::{Reporter, file_stem};
-use super::solve::{Member, SEARCHED, Solutions};
+use super::solve::{INTERRUPTED, Member, SEARCHED, Solutions};
 use super::watch::Watcher;
 
 /// The parts of a rectangle.
@@ -177,6 +177,16 @@ pub(super) fn followed(
             },
         })
         .collect();
+    // Of what attracts in a cell, an interrupted look knows too little.
+    if asked
+        .branch
+        .interrupt
+        .as_ref()
+        .is_some_and(Interrupt::is_raised)
+    {
+        let findings = reporter.findings(&members, INTERRUPTED.to_owned(), notes);
+        return (members, findings);
+    }
     let mut findings = reporter.findings(&members, "done".to_owned(), notes);
     let (cells, narrow): (Vec<RegionCell>, Vec<RegionCell>) = found
         .cells

@@ -1,15 +1,16 @@
 //! From a task to its branches.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use quell_continuation::{
     Branch, ContinuationError, CriticalEquilibrium, CriticalOrbit, DiagramSettings, Equilibrium,
-    Kind, Orbit, Special, cycle_curve, cycles_across, cycles_doubled, cycles_from_hopf,
-    cycles_from_orbit, cycles_from_pair, diagram, equilibria, equilibria_across, fold_curve,
-    fold_from_generalised_hopf, hopf_curve, torus_from_hopf_hopf,
+    Interrupt, Keeper, Kind, Orbit, Special, cycle_curve, cycles_across, cycles_doubled,
+    cycles_from_hopf, cycles_from_orbit, cycles_from_pair, diagram_kept, equilibria,
+    equilibria_across, fold_curve, fold_from_generalised_hopf, hopf_curve, torus_from_hopf_hopf,
 };
 use quell_document::Fault;
-use quell_expression::Dimension;
+use quell_expression::{Dimension, Span};
 use quell_model::system::StateKind;
 use rayon::prelude::*;
 
@@ -56,7 +57,23 @@ enum Begin<'a> {
     CriticalOrbit(&'a Special<CriticalOrbit>),
 }
 
+/// Who looks on while a task is solved.
+pub(crate) struct Company<'a> {
+    /// Counts points.
+    pub(crate) watcher: &'a Watcher,
+    /// Keeps finished branches.
+    pub(crate) keeper: &'a dyn Keeper,
+    /// Asks to stop.
+    pub(crate) interrupt: Option<Interrupt>,
+}
+
 impl Solved {
+    /// The number of solutions.
+    pub(crate) fn solutions(&self) -> u64 {
+        let points = self.findings.branches.iter();
+        points.map(|branch| branch.points.len() as u64).sum()
+    }
+
     /// The point of a label, `H1` or `E1:H1`.
     fn labelled(&self, label: &str) -> Result<(String, Begin<'_>), String> {
         let (branch, short) = match label.rsplit_once(':') {
@@ -205,6 +222,7 @@ pub(super) fn settings(
     let mut settings = quell_continuation::Settings::new(&ranges);
     settings.maximum_points = task.points;
     settings.mesh.tolerance = task.tolerance;
+    settings.correction = task.correction;
     settings.monitors.push(watcher.monitor());
     if let Some(period) = &task.longest_period {
         let dimension = if situation.equations()?.dimensionless {
@@ -224,6 +242,42 @@ pub(super) fn settings(
     Ok(settings)
 }
 
+/// Where a diagram looks for equilibria, by state.
+///
+/// # Errors
+/// A state that the host does not have, or ends that do not fit.
+pub(super) fn searched(
+    study: &Study,
+    situation: &Situation,
+    task: &ContinuationTask,
+    model: &Model,
+) -> Result<HashMap<String, (f64, f64)>, Fault> {
+    let known = model.beginnings();
+    let mut found = HashMap::new();
+    for (name, range) in &task.search {
+        let fault = |message: String| Fault::at(&study.source, range.span, message);
+        let Some((_, dimension)) = known.iter().find(|(known, _)| known == name) else {
+            let fault = fault(format!(
+                "the host has no coordinate, rate or state `{name}` in which equilibria could be sought"
+            ));
+            let names = known.iter().map(|(known, _)| known.as_str());
+            return Err(match quell_expression::nearest(name, names) {
+                Some(near) => fault.help(format!("did you mean `{near}`?")),
+                None => fault,
+            });
+        };
+        let from = range.from.value(&situation.parameters, *dimension)?;
+        let to = range.to.value(&situation.parameters, *dimension)?;
+        if !(from <= to && from.is_finite() && to.is_finite()) {
+            return Err(
+                fault(format!("the range of `{name}` is empty")).help("write the lower end first")
+            );
+        }
+        found.insert(name.clone(), (from, to));
+    }
+    Ok(found)
+}
+
 /// Follows what a task asks for.
 ///
 /// # Errors
@@ -233,18 +287,20 @@ pub(crate) fn solve(
     situation: &Situation,
     name: &str,
     task: &ContinuationTask,
-    before: Option<&Arc<Solved>>,
-    watcher: &Watcher,
+    before: &[Arc<Solved>],
+    company: &Company<'_>,
 ) -> Result<Solved, Fault> {
-    let (model, spec, wanted) = self::model(study, situation, task, before.map(Arc::as_ref))?;
-    let settings = settings(situation, task, &model, watcher)?;
+    let first = before.first().map(Arc::as_ref);
+    let (model, spec, wanted) = self::model(study, situation, task, first)?;
+    let mut settings = settings(situation, task, &model, company.watcher)?;
+    settings.interrupt.clone_from(&company.interrupt);
     let (members, findings) = followed(
         study,
         situation,
         name,
         task,
         before,
-        watcher,
+        company,
         (&model, &spec, settings),
     )?;
     Ok(Solved {
@@ -262,13 +318,17 @@ fn followed(
     situation: &Situation,
     name: &str,
     task: &ContinuationTask,
-    before: Option<&Arc<Solved>>,
-    watcher: &Watcher,
+    before: &[Arc<Solved>],
+    company: &Company<'_>,
     (model, spec, settings): (&Model, &ConfigurationSpec, quell_continuation::Settings),
 ) -> Result<(Vec<Member>, super::ContinuationFindings), Fault> {
     if task.follows == Follows::Region {
         return Ok(super::region::followed(
-            name, task, model, settings, watcher,
+            name,
+            task,
+            model,
+            settings,
+            company.watcher,
         ));
     }
     let field = model.field();
@@ -277,38 +337,34 @@ fn followed(
         model,
         field: &field,
         settings,
+        keeper: company.keeper,
     };
-    let (members, status, notes) = match &task.start {
-        BranchStart::Label { label, span, task } => {
-            let Some(before) = before else {
-                return Err(Fault::at(
-                    &study.source,
-                    *span,
-                    format!("the task `{task}` has found nothing"),
-                ));
-            };
-            let begin = before.labelled(label).map_err(|why| {
-                Fault::at(
-                    &study.source,
-                    *span,
-                    format!("the task `{task}` has no point `{label}` to start from"),
-                )
-                .help(why)
-            })?;
-            let (parent, begin) = begin;
-            let parent = format!("{task}:{parent}");
-            follower
-                .at_point(before, &begin, &parent)
-                .map_err(|why| Fault::at(&study.source, *span, why))?
+    let (members, mut status, notes) = match &task.start {
+        BranchStart::Label { .. } => {
+            // Their labels are not yet those that they will be.
+            if before
+                .iter()
+                .any(|before| before.findings.status == INTERRUPTED)
+            {
+                (Vec::new(), INTERRUPTED.to_owned(), Vec::new())
+            } else {
+                follower.at_labels(study, before)?
+            }
         }
-        BranchStart::Equilibrium if task.follows == Follows::Diagram => follower.diagram(),
+        BranchStart::Equilibrium if task.follows == Follows::Diagram => {
+            follower.diagram(&searched(study, situation, task, model)?)
+        }
         BranchStart::Equilibrium => follower.at_equilibrium(),
         BranchStart::Run { run, span } => {
             let samples = super::settled::samples(study, situation, spec, run, *span, model)?;
             follower.at_samples(&samples)
         }
     };
-    watcher.measuring();
+    let interrupted = |interrupt: &Interrupt| interrupt.is_raised();
+    if company.interrupt.as_ref().is_some_and(interrupted) {
+        INTERRUPTED.clone_into(&mut status);
+    }
+    company.watcher.measuring();
     let reporter = Reporter {
         name,
         task,
@@ -324,6 +380,7 @@ struct Follower<'a> {
     model: &'a Model,
     field: &'a Field<'a>,
     settings: quell_continuation::Settings,
+    keeper: &'a dyn Keeper,
 }
 
 /// Branches, a status, and what could not be followed.
@@ -356,7 +413,10 @@ impl Follower<'_> {
             Ok(state) => state,
             Err(why) => return (Vec::new(), why, Vec::new()),
         };
-        let branch = match equilibria(self.field, &state, &base, 0, &self.settings) {
+        let followed = self.keeper.branch("E1", || {
+            equilibria(self.field, &state, &base, 0, &self.settings)
+        });
+        let branch = match followed {
             Ok(branch) => branch,
             Err(error) => return failed(&error),
         };
@@ -370,7 +430,12 @@ impl Follower<'_> {
                 .collect();
             let found: Vec<_> = births
                 .par_iter()
-                .map(|point| cycles_from_hopf(self.field, point, 0, &self.settings))
+                .map(|point| {
+                    self.keeper
+                        .branch(&format!("cycles from {}", point.label), || {
+                            cycles_from_hopf(self.field, point, 0, &self.settings)
+                        })
+                })
                 .collect();
             for (point, found) in births.iter().zip(found) {
                 match found {
@@ -396,17 +461,19 @@ impl Follower<'_> {
 
     fn at_samples(&self, samples: &super::settled::Settled) -> Followed {
         let base = self.model.base();
-        let found = quell_continuation::cycles_from_samples(
-            self.field,
-            &samples.samples(),
-            &base,
-            0,
-            &self.settings,
-        );
+        let found = self.keeper.branch("C1", || {
+            quell_continuation::cycles_from_samples(
+                self.field,
+                &samples.samples(),
+                &base,
+                0,
+                &self.settings,
+            )
+        });
         single("C1", None, found.map(Solutions::Cycles))
     }
 
-    fn diagram(&self) -> Followed {
+    fn diagram(&self, searched: &HashMap<String, (f64, f64)>) -> Followed {
         let base = self.model.base();
         let Ok(middle) = self.model.equilibrium(&base) else {
             return (
@@ -421,10 +488,13 @@ impl Follower<'_> {
             .states()
             .iter()
             .zip(&middle)
-            .map(|(state, value)| match state.kind {
-                StateKind::Rate => (*value, *value),
-                _ => (value - SEARCHED, value + SEARCHED),
-            })
+            .map(
+                |(state, value)| match (searched.get(&state.name), state.kind) {
+                    (Some(range), _) => *range,
+                    (None, StateKind::Rate) => (*value, *value),
+                    (None, _) => (value - SEARCHED, value + SEARCHED),
+                },
+            )
             .collect();
         let asked = DiagramSettings {
             branch: self.settings.clone(),
@@ -432,7 +502,7 @@ impl Follower<'_> {
             starts: STARTS,
             depth: self.task.depth,
         };
-        let found = match diagram(self.field, &base, 0, &asked) {
+        let found = match diagram_kept(self.field, &base, 0, &asked, self.keeper) {
             Ok(found) => found,
             Err(error) => return failed(&error),
         };
@@ -479,6 +549,63 @@ impl Follower<'_> {
         (members, status, notes)
     }
 
+    /// From the labelled points of other tasks, one after the other.
+    fn at_labels(&self, study: &Study, before: &[Arc<Solved>]) -> Result<Followed, Fault> {
+        let starts = std::iter::once(&self.task.start).chain(&self.task.more);
+        let labels: Vec<(&str, &str, Span)> = starts
+            .filter_map(|start| match start {
+                BranchStart::Label { task, label, span } => Some((&**task, &**label, *span)),
+                _ => None,
+            })
+            .collect();
+        if labels.len() != before.len() {
+            return Err(Fault::at(
+                &study.source,
+                self.task.span,
+                "a task to start from has found nothing",
+            ));
+        }
+        let all: Vec<Result<Followed, Fault>> = labels
+            .par_iter()
+            .zip(before)
+            .map(|((task, label, span), before)| {
+                let (parent, begin) = before.labelled(label).map_err(|why| {
+                    Fault::at(
+                        &study.source,
+                        *span,
+                        format!("the task `{task}` has no point `{label}` to start from"),
+                    )
+                    .help(why)
+                })?;
+                self.at_point(before, &begin, &format!("{task}:{parent}"))
+                    .map_err(|why| Fault::at(&study.source, *span, why))
+            })
+            .collect();
+        let single = all.len() == 1;
+        let (mut members, mut status, mut notes) =
+            (Vec::<Member>::new(), "done".to_owned(), Vec::new());
+        for (found, (task, label, _)) in all.into_iter().zip(&labels) {
+            let (own, how, why) = found?;
+            for mut member in own {
+                if !single {
+                    // Curves are numbered through.
+                    member.id = format!("K{}", members.len() + 1);
+                }
+                members.push(member);
+            }
+            if how != "done" && single {
+                status = how;
+            } else if how != "done" {
+                notes.push(format!("from {task}:{label}: {how}"));
+            }
+            notes.extend(why);
+        }
+        if members.is_empty() && status == "done" {
+            "no curve was found".clone_into(&mut status);
+        }
+        Ok((members, status, notes))
+    }
+
     /// From a labelled point of another task; else what is wrong with it as a start.
     fn at_point(
         &self,
@@ -492,7 +619,8 @@ impl Follower<'_> {
         let same = before.model.axes().first().map(|axis| &axis.name)
             == self.model.axes().first().map(|axis| &axis.name);
         let settings = &self.settings;
-        let field = self.field;
+        let (field, keeper) = (self.field, self.keeper);
+        let named = |id: &str| format!("{id} from {parent}");
         Ok(match begin {
             Begin::Equilibrium(point) => {
                 let at = moved(point, |e| Equilibrium {
@@ -503,24 +631,33 @@ impl Follower<'_> {
                     Kind::Hopf | Kind::HopfHopf => single(
                         "C1",
                         Some(parent),
-                        cycles_from_hopf(field, &at, 0, settings).map(Solutions::Cycles),
+                        keeper
+                            .branch(&named("C1"), || cycles_from_hopf(field, &at, 0, settings))
+                            .map(Solutions::Cycles),
                     ),
                     Kind::BranchPoint if same => single(
                         "E1",
                         Some(parent),
-                        equilibria_across(field, &at, 0, 1.0, settings).map(Solutions::Equilibria),
+                        keeper
+                            .branch(&named("E1"), || {
+                                equilibria_across(field, &at, 0, 1.0, settings)
+                            })
+                            .map(Solutions::Equilibria),
                     ),
                     _ => single(
                         "E1",
                         Some(parent),
-                        equilibria(
-                            field,
-                            &at.solution.state,
-                            &at.solution.parameters,
-                            0,
-                            settings,
-                        )
-                        .map(Solutions::Equilibria),
+                        keeper
+                            .branch(&named("E1"), || {
+                                equilibria(
+                                    field,
+                                    &at.solution.state,
+                                    &at.solution.parameters,
+                                    0,
+                                    settings,
+                                )
+                            })
+                            .map(Solutions::Equilibria),
                     ),
                 }
             }
@@ -529,11 +666,11 @@ impl Follower<'_> {
                     parameters: before.lifted(&orbit.parameters, self.model),
                     ..orbit.clone()
                 });
-                let found = match point.kind {
+                let found = keeper.branch(&named("C1"), || match point.kind {
                     Kind::PeriodDoubling => cycles_doubled(field, &at, 0, settings),
                     Kind::CycleBranchPoint if same => cycles_across(field, &at, 0, 1.0, settings),
                     _ => cycles_from_orbit(field, &at.solution, 0, settings),
-                };
+                });
                 single("C1", Some(parent), found.map(Solutions::Cycles))
             }
             Begin::CriticalEquilibrium(point) => {
@@ -546,7 +683,10 @@ impl Follower<'_> {
                 let mut notes = Vec::new();
                 let pairs: Vec<f64> = point.omega.into_iter().chain(point.second_omega).collect();
                 for omega in pairs.into_iter().filter(|omega| *omega > 0.0) {
-                    match cycles_from_pair(field, &at, omega, 0, settings) {
+                    let followed = keeper.branch(&named(&format!("cycles of {omega:?}")), || {
+                        cycles_from_pair(field, &at, omega, 0, settings)
+                    });
+                    match followed {
                         Ok(own) => members.push(Member {
                             id: format!("C{}", members.len() + 1),
                             parent: Some(parent.to_owned()),
@@ -559,7 +699,10 @@ impl Follower<'_> {
                     single(
                         "E1",
                         Some(parent),
-                        equilibria(field, &at.state, &at.parameters, 0, settings)
+                        keeper
+                            .branch(&named("E1"), || {
+                                equilibria(field, &at.state, &at.parameters, 0, settings)
+                            })
                             .map(Solutions::Equilibria),
                     )
                 } else {
@@ -574,7 +717,11 @@ impl Follower<'_> {
                 single(
                     "C1",
                     Some(parent),
-                    cycles_from_orbit(field, &orbit, 0, settings).map(Solutions::Cycles),
+                    keeper
+                        .branch(&named("C1"), || {
+                            cycles_from_orbit(field, &orbit, 0, settings)
+                        })
+                        .map(Solutions::Cycles),
                 )
             }
         })
@@ -582,7 +729,8 @@ impl Follower<'_> {
 
     fn curve(&self, before: &Solved, begin: &Begin<'_>, parent: &str) -> Result<Followed, String> {
         let settings = &self.settings;
-        let field = self.field;
+        let (field, keeper) = (self.field, self.keeper);
+        let named = |id: &str| format!("{id} from {parent}");
         let free = [0, 1];
         let no_curve = |kind: Kind| {
             format!(
@@ -596,10 +744,16 @@ impl Follower<'_> {
                     parameters: before.lifted(&e.parameters, self.model),
                 });
                 let (found, kind) = match point.kind {
-                    Kind::Hopf | Kind::HopfHopf => {
-                        (hopf_curve(field, &at, free, settings), Kind::Hopf)
-                    }
-                    Kind::Fold => (fold_curve(field, &at.solution, free, settings), Kind::Fold),
+                    Kind::Hopf | Kind::HopfHopf => (
+                        keeper.branch(&named("K1"), || hopf_curve(field, &at, free, settings)),
+                        Kind::Hopf,
+                    ),
+                    Kind::Fold => (
+                        keeper.branch(&named("K1"), || {
+                            fold_curve(field, &at.solution, free, settings)
+                        }),
+                        Kind::Fold,
+                    ),
                     other => return Err(no_curve(other)),
                 };
                 Ok(single(
@@ -619,7 +773,7 @@ impl Follower<'_> {
                     parameters: before.lifted(&orbit.parameters, self.model),
                     ..orbit.clone()
                 });
-                let found = cycle_curve(field, &at, free, settings);
+                let found = keeper.branch(&named("K1"), || cycle_curve(field, &at, free, settings));
                 Ok(single(
                     "K1",
                     Some(parent),
@@ -640,7 +794,11 @@ impl Follower<'_> {
                         let mut members = Vec::new();
                         let mut notes = Vec::new();
                         for (omega, other) in [(first, second), (second, first)] {
-                            match torus_from_hopf_hopf(field, &at, omega, other, free, settings) {
+                            let name = named(&format!("torus points of {omega:?}"));
+                            let followed = keeper.branch(&name, || {
+                                torus_from_hopf_hopf(field, &at, omega, other, free, settings)
+                            });
+                            match followed {
                                 Ok(own) => members.push(Member {
                                     id: format!("K{}", members.len() + 1),
                                     parent: Some(parent.to_owned()),
@@ -659,7 +817,9 @@ impl Follower<'_> {
                         Ok((members, status, notes))
                     }
                     (Kind::GeneralisedHopf, ..) => {
-                        let found = fold_from_generalised_hopf(field, &at, free, settings);
+                        let found = keeper.branch(&named("K1"), || {
+                            fold_from_generalised_hopf(field, &at, free, settings)
+                        });
                         Ok(single(
                             "K1",
                             Some(parent),
@@ -674,6 +834,8 @@ impl Follower<'_> {
     }
 }
 
+/// The status of a task that was asked to stop.
+pub(super) const INTERRUPTED: &str = "interrupted";
 /// Half the width of the box about the equilibrium of runs in time in which a diagram looks for others, SI.
 pub(super) const SEARCHED: f64 = 1.0;
 /// Starts of Newton's method in that box, at each of three values of the parameter.

@@ -57,9 +57,4 @@ impl Watcher {
         let value = f64::from_bits(bits);
         format!("{points} solutions, {parameter} = {value:.4}")
     }
-
-    /// Solutions so far.
-    pub(crate) fn solutions(&self) -> u64 {
-        self.seen.points.load(Ordering::Relaxed) as u64
-    }
 }

@@ -1,6 +1,7 @@
 //! Tasks of kind `branch`, `curve`, `diagram` and `region` as typed.
 
 use indexmap::IndexMap;
+use quell_continuation::Correction;
 use quell_document::{Fault, Table, Value};
 use quell_expression::Unit;
 
@@ -12,7 +13,7 @@ use crate::keys;
 use crate::study::{ConfigurationSpec, Run, Study, Task, TaskKind};
 
 /// The keys of tasks that follow branches; those of one kind alone with that kind.
-const KEYS: [(&str, &[Follows]); 15] = {
+const KEYS: [(&str, &[Follows]); 17] = {
     use Follows::{Branch, Curve, Diagram, Region};
     const ALL: &[Follows] = &[Branch, Curve, Diagram, Region];
     [
@@ -26,6 +27,8 @@ const KEYS: [(&str, &[Follows]); 15] = {
         ("oscillations", ALL),
         ("cycles", &[Branch]),
         ("depth", &[Diagram]),
+        ("search", &[Diagram]),
+        ("corrector", ALL),
         ("points", ALL),
         ("mesh_tolerance", ALL),
         ("longest_period", ALL),
@@ -87,7 +90,21 @@ pub(super) fn task(
         Some(value) => ranges(&value, study, &parameters)?,
         None => IndexMap::new(),
     };
+    let mut more = Vec::new();
     let start = match table.get("start") {
+        Some(value) if follows == Follows::Curve && value.is_array() => {
+            const EXAMPLE: &str = "write `start = [\"TASK:H1\", \"TASK:H2\"]`";
+            let mut all = Vec::new();
+            for one in &value.as_array()? {
+                all.push(start(one, study, above)?);
+            }
+            let mut all = all.into_iter();
+            let first = all
+                .next()
+                .ok_or_else(|| value.fault("no point is named to start from").help(EXAMPLE))?;
+            more.extend(all);
+            first
+        }
         Some(value) => start(&value, study, above)?,
         None if follows == Follows::Curve => {
             return Err(table
@@ -121,6 +138,7 @@ pub(super) fn task(
         parameters,
         ranges,
         start,
+        more,
         at,
         measures: measures(
             table,
@@ -134,6 +152,11 @@ pub(super) fn task(
             .map(|value| value.as_bool())
             .transpose()?
             .unwrap_or(false),
+        search: match table.get("search") {
+            Some(value) => boxed(&value, study)?,
+            None => IndexMap::new(),
+        },
+        correction: correction(table)?,
         depth: count(table, "depth", 2, 1..=10)?,
         points: count(table, "points", 400, 2..=MOST_POINTS)?,
         tolerance: tolerance(table)?,
@@ -162,6 +185,47 @@ fn count(
             allowed.end()
         )))
     }
+}
+
+fn correction(table: &Table<'_>) -> Result<Correction, Fault> {
+    let Some(value) = table.get("corrector") else {
+        return Ok(Correction::PseudoArclength);
+    };
+    match value.as_str()? {
+        "pseudo-arclength" => Ok(Correction::PseudoArclength),
+        "Moore-Penrose" => Ok(Correction::MoorePenrose),
+        other => Err(unknown(
+            value.fault(format!("there is no corrector `{other}`")),
+            other,
+            "corrector",
+            keys::CORRECTORS.iter().copied(),
+        )),
+    }
+}
+
+/// Where equilibria are sought.
+fn boxed(value: &Value<'_>, study: &Study) -> Result<IndexMap<String, ParameterRange>, Fault> {
+    const EXAMPLE: &str = "write `search = { x = [\"-5 mm\", \"5 mm\"] }`";
+    let mut found = IndexMap::new();
+    let table = value.as_table().map_err(|fault| fault.help(EXAMPLE))?;
+    for (name, _, value) in table.entries() {
+        found.insert(name.to_owned(), range(&value, study, EXAMPLE)?);
+    }
+    Ok(found)
+}
+
+fn range(value: &Value<'_>, study: &Study, example: &str) -> Result<ParameterRange, Fault> {
+    let ends = value.as_array().map_err(|fault| fault.help(example))?;
+    let [from, to] = ends.as_slice() else {
+        return Err(value
+            .fault("a range has a lower and an upper end")
+            .help(example));
+    };
+    Ok(ParameterRange {
+        from: Amount::read(from, &study.source)?,
+        to: Amount::read(to, &study.source)?,
+        span: value.span(),
+    })
 }
 
 fn tolerance(table: &Table<'_>) -> Result<f64, Fault> {
@@ -250,20 +314,7 @@ fn ranges(
                 parameters.iter().map(|(name, _)| name.as_str()),
             ));
         }
-        let ends = value.as_array().map_err(|fault| fault.help(EXAMPLE))?;
-        let [from, to] = ends.as_slice() else {
-            return Err(value
-                .fault("a range has a lower and an upper end")
-                .help(EXAMPLE));
-        };
-        found.insert(
-            name.to_owned(),
-            ParameterRange {
-                from: Amount::read(from, &study.source)?,
-                to: Amount::read(to, &study.source)?,
-                span: value.span(),
-            },
-        );
+        found.insert(name.to_owned(), range(&value, study, EXAMPLE)?);
     }
     Ok(found)
 }

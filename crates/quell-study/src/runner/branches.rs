@@ -6,10 +6,14 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use quell_continuation::Keeper;
+
+use super::recorder::Recorder;
 use super::{RunError, Runner};
 use crate::continuation::{self, BranchStart, ContinuationTask, Watcher};
 use crate::outcome::{Findings, Plot, PointOutcome};
 use crate::situation::{self, Situation};
+use crate::store::{Key, KeyBuilder};
 use crate::study::Task;
 
 /// What tasks have found, by name, for those that start there.
@@ -48,17 +52,20 @@ impl Runner<'_> {
             return Ok(known);
         }
         // A start names a task above, so this ends.
-        let before = match &asked.start {
-            BranchStart::Label { task, .. } => match self.study.continuation(task) {
-                Some(own) => {
-                    let standing = situation::build(&self.study.host, &self.study.overrides, &[])?;
-                    Some(self.solve(&standing, task, own, true)?)
-                }
-                None => None,
-            },
-            _ => None,
-        };
+        let mut before = Vec::new();
+        for start in std::iter::once(&asked.start).chain(&asked.more) {
+            if let BranchStart::Label { task, .. } = start
+                && let Some(own) = self.study.continuation(task)
+            {
+                let standing = situation::build(&self.study.host, &self.study.overrides, &[])?;
+                before.push(self.solve(&standing, task, own, true)?);
+            }
+        }
         let watcher = Watcher::default();
+        let keeper = Kept {
+            recorder: self.recorder,
+            key: self.branch_key(situation, name, asked),
+        };
         let parameter = asked.parameters.first().map_or("", |(name, _)| name);
         let (finished, waiting) = channel::<()>();
         let solved = std::thread::scope(|scope| {
@@ -68,19 +75,74 @@ impl Runner<'_> {
                     progress.note(&watcher.words(parameter));
                 }
             });
-            let solved =
-                continuation::solve(self.study, situation, name, asked, before.as_ref(), watcher);
+            self.recorder.heed(true);
+            let solved = continuation::solve(
+                self.study,
+                situation,
+                name,
+                asked,
+                &before,
+                &continuation::Company {
+                    watcher,
+                    keeper: &keeper,
+                    interrupt: self.recorder.interrupt(),
+                },
+            );
+            self.recorder.heed(false);
             drop(finished);
             solved
         })?;
         self.evaluations
-            .fetch_add(watcher.solutions(), Ordering::Relaxed);
+            .fetch_add(solved.solutions(), Ordering::Relaxed);
         let solved = Arc::new(solved);
         if kept {
             let mut all = self.solved.0.lock().unwrap_or_else(PoisonError::into_inner);
             all.insert(name.to_owned(), Arc::clone(&solved));
         }
         Ok(solved)
+    }
+}
+
+/// What a branch is called in a store.
+const KIND: &str = "branch";
+
+/// Branches of a task in the store of a run.
+struct Kept<'a> {
+    recorder: &'a Recorder<'a>,
+    /// Everything that determines them but which of them it is.
+    key: KeyBuilder,
+}
+
+impl Keeper for Kept<'_> {
+    fn get(&self, name: &str) -> Option<Vec<u8>> {
+        let key = self.key.clone().text(name).key();
+        let found = self.recorder.kept(&key, KIND)?;
+        self.recorder.tell_restored(&key);
+        Some(found)
+    }
+
+    fn put(&self, name: &str, bytes: Vec<u8>) {
+        let key = self.key.clone().text(name).key();
+        self.recorder.keep(&key, KIND, bytes);
+    }
+}
+
+impl Runner<'_> {
+    fn branch_key(
+        &self,
+        situation: &Situation,
+        name: &str,
+        asked: &ContinuationTask,
+    ) -> KeyBuilder {
+        let mut key = Key::of("branch")
+            .text(env!("CARGO_PKG_VERSION"))
+            .text(&self.study.hash)
+            .text(name)
+            .text(asked.follows.kind());
+        for (name, quantity) in &situation.parameters {
+            key = key.text(name).number(quantity.value);
+        }
+        key
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 
+use quell_continuation::Interrupt;
 use quell_document::Fault;
 
 use super::Progress;
@@ -101,28 +102,57 @@ impl<'a> Recorder<'a> {
         write: impl FnOnce(&T) -> Vec<u8>,
         work: impl FnOnce() -> T,
     ) -> T {
-        let Some((store, sender)) = &self.store else {
+        if self.store.is_none() {
             return work();
-        };
-        // A store that cannot be read costs time, and is told when it cannot be written either.
-        if let Ok(Some(bytes)) = store.get(key, kind)
-            && let Some(found) = read(&bytes)
-        {
-            // Tasks of one study may share a layout; that is no news of an earlier run.
-            if store.is_earlier(key) {
-                let restored = self.restored.fetch_add(1, Ordering::Relaxed) + 1;
-                self.progress.restored(restored);
-            }
+        }
+        if let Some(found) = self.kept(key, kind).and_then(|bytes| read(&bytes)) {
+            self.tell_restored(key);
             return found;
         }
         let found = work();
-        let unit = Unit {
-            key: *key,
-            kind,
-            bytes: write(&found),
-        };
-        drop(sender.send(Message::Unit(unit)));
+        self.keep(key, kind, write(&found));
         found
+    }
+
+    /// What the store holds of a unit. A store that cannot be read costs time, and is told when it cannot be written either.
+    pub(super) fn kept(&self, key: &Key, kind: &'static str) -> Option<Vec<u8>> {
+        let (store, _) = self.store.as_ref()?;
+        store.get(key, kind).ok()?
+    }
+
+    /// Puts a finished unit into the store.
+    pub(super) fn keep(&self, key: &Key, kind: &'static str, bytes: Vec<u8>) {
+        if let Some((_, sender)) = &self.store {
+            let unit = Unit {
+                key: *key,
+                kind,
+                bytes,
+            };
+            drop(sender.send(Message::Unit(unit)));
+        }
+    }
+
+    /// Counts a unit that was read from the store.
+    pub(super) fn tell_restored(&self, key: &Key) {
+        // Tasks of one study may share a layout; that is no news of an earlier run.
+        if self
+            .store
+            .as_ref()
+            .is_some_and(|(store, _)| store.is_earlier(key))
+        {
+            let restored = self.restored.fetch_add(1, Ordering::Relaxed) + 1;
+            self.progress.restored(restored);
+        }
+    }
+
+    /// What asks to stop branches at their next point, where whoever waits has such a thing.
+    pub(super) fn interrupt(&self) -> Option<Interrupt> {
+        self.progress.interrupt()
+    }
+
+    /// Whether branches are followed just now, which heed the interrupt.
+    pub(super) fn heed(&self, heeded: bool) {
+        self.progress.heed(heeded);
     }
 
     /// How many units came from the store.
