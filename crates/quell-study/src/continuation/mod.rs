@@ -2,6 +2,7 @@
 
 mod ask;
 mod field;
+mod follower;
 mod forcing;
 mod measure;
 mod model;
@@ -12,6 +13,7 @@ mod region;
 mod report;
 mod settled;
 mod solve;
+mod solved;
 mod watch;
 
 pub use ask::{BranchStart, ContinuationTask, Follows, Measure, ParameterRange};
@@ -26,7 +28,8 @@ pub use record::{
     SpecialResult, StopResult,
 };
 pub use region::{AttractorOutcome, CellOutcome, RegionFindings};
-pub(crate) use solve::{Company, Solved, solve};
+pub(crate) use solve::{Company, solve};
+pub(crate) use solved::Solved;
 pub(crate) use watch::Watcher;
 
 use quell_document::Fault;

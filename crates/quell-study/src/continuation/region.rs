@@ -12,7 +12,8 @@ use super::ask::ContinuationTask;
 use super::model::Model;
 use super::outcome::{BranchPoint, ContinuationFindings};
 use super::report::{Reporter, file_stem};
-use super::solve::{INTERRUPTED, Member, SEARCHED, Solutions};
+use super::solve::{INTERRUPTED, SEARCHED};
+use super::solved::{Member, Solutions};
 use super::watch::Watcher;
 
 /// The parts of a rectangle.

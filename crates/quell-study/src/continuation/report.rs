@@ -14,7 +14,7 @@ use super::model::Model;
 use super::outcome::{
     BranchOutcome, BranchPoint, ContinuationFindings, FreeParameter, MeasureHead, SpecialPoint,
 };
-use super::solve::{Member, Solutions};
+use super::solved::{Member, Solutions};
 
 pub(super) struct Reporter<'a> {
     pub(super) name: &'a str,
