@@ -34,10 +34,7 @@ impl Bar {
         let (interrupt, heeding) = (self.interrupt.clone(), Arc::clone(&self.heeding));
         let set = ctrlc::set_handler(move || {
             if heeding.load(Ordering::SeqCst) == 0 || interrupt.is_raised() {
-                #[expect(
-                    clippy::exit,
-                    reason = "what a signal does to a program without a handler"
-                )]
+                // What a signal does to a program without a handler.
                 std::process::exit(130);
             }
             interrupt.raise();

@@ -57,8 +57,10 @@ pub(super) fn words(task: &TaskOutcome) -> Vec<String> {
 
 /// The widest bands of all configurations and best designs side by side, a picture for each criterion.
 pub(super) fn comparisons(outcome: &RunOutcome) -> Vec<Plot> {
-    // By criterion: its unit, and the widest band by name.
-    let mut found: Vec<(String, String, Vec<(String, BandResult)>)> = Vec::new();
+    /// The widest band by the name of what has it.
+    type Named = Vec<(String, BandResult)>;
+    // By criterion, with its unit.
+    let mut found: Vec<(String, String, Named)> = Vec::new();
     for task in &outcome.tasks {
         let [point] = task.points.as_slice() else {
             continue;

@@ -1,5 +1,7 @@
 //! A rectangle of two parameters, shaded by what is stable in its parts.
 
+use std::fmt::Write as _;
+
 use quell_study::continuation::{
     BranchPoint, CellOutcome, ContinuationFindings, FreeParameter, RegionFindings,
 };
@@ -102,7 +104,7 @@ pub(super) fn plot(found: &ContinuationFindings, regions: &RegionFindings) -> Pl
 
 /// Texts that would lie on others are left out: a point of codimension two lies on two curves, and resonances come close to each other.
 fn legible<'m>(
-    points: &mut Vec<Mark>,
+    points: &mut [Mark],
     cells: impl Iterator<Item = &'m mut Mark>,
     ranges: &[(f64, f64)],
     logarithmic: [bool; 2],
@@ -219,12 +221,14 @@ fn told(found: &ContinuationFindings, cell: &CellOutcome) -> String {
                 )
             })
             .collect();
-        text.push_str(&format!(
+        // Writing to a string cannot fail.
+        let _ = write!(
+            text,
             "; {named} of {}\u{a0}s",
             significant(one.point.period.unwrap_or(f64::NAN), 4)
-        ));
+        );
         if !numbers.is_empty() {
-            text.push_str(&format!(", {}", numbers.join(", ")));
+            let _ = write!(text, ", {}", numbers.join(", "));
         }
     }
     text.push('.');
