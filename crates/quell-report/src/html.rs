@@ -118,6 +118,9 @@ fn glance(task: &TaskSection, index: usize) -> Markup {
                     }
                     td.number data-label="starts" { (design::starts_in_short(best, " of ")) }
                 } @else { td { (task.status.as_deref().unwrap_or("no design")) } td {} td {} td {} }
+            } @else if let Some(points) = &task.points {
+                td { (points.found) }
+                td {} td {} td {}
             } @else {
                 td { (count(task.configurations.len(), "configuration", "configurations")) " evaluated" }
                 td.number {

@@ -184,6 +184,8 @@ pub struct TaskSection {
 /// Special points of branches, as a table.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct PointTable {
+    /// What was found, in a few words.
+    pub found: String,
     /// What stands in each column.
     pub heading: Vec<String>,
     /// The rows, a cell for each column.

@@ -238,7 +238,39 @@ pub(super) fn table(found: &ContinuationFindings) -> PointTable {
             rows.push(row(branch, "", at, at.unstable.to_string()));
         }
     }
-    PointTable { heading, rows }
+    PointTable {
+        found: in_short(found),
+        heading,
+        rows,
+    }
+}
+
+/// `3 branches, 6 special points`, or why there is nothing.
+fn in_short(found: &ContinuationFindings) -> String {
+    if found.branches.is_empty() {
+        return found.status.clone();
+    }
+    let count = |number: usize, one: &str, many: &str| match number {
+        1 => format!("1 {one}"),
+        _ => format!("{number} {many}"),
+    };
+    let number = found.branches.len();
+    let mut text = match found.follows {
+        Follows::Curve | Follows::Region => count(number, "curve", "curves"),
+        Follows::Branch | Follows::Diagram => count(number, "branch", "branches"),
+    };
+    let special = found.branches.iter().map(|branch| branch.special.len());
+    text.push_str(", ");
+    text.push_str(&count(special.sum(), "special point", "special points"));
+    if let Some(regions) = &found.regions {
+        text.push_str(", ");
+        text.push_str(&count(regions.cells.len(), "cell", "cells"));
+    }
+    if found.status != "done" {
+        text.push_str(", ");
+        text.push_str(&found.status);
+    }
+    text
 }
 
 /// What was followed, in words.
