@@ -59,11 +59,11 @@ fn difference(of: impl Fn(f64) -> f64, at: f64) -> (f64, f64) {
         }
         above = current;
     }
-    // The differences never look at the middle: where a condition flickers, `x < sin(1/x)`, all of them may lie on one branch
-    // and the point itself on the other.
-    let middle = of(at);
-    let beside = 0.5 * (of(at + step) + of(at - step));
-    if (beside - middle).abs() > CONTINUOUS * (1.0 + middle.abs()) {
+    // Where a condition flickers, `x < sin(1/x)`, the larger steps may agree with each other on the wrong branch, and even the smallest
+    // ones never look at the middle.
+    let (middle, beside) = (of(at), 0.5 * (of(at + step) + of(at - step)));
+    let jumps = (beside - middle).abs() > CONTINUOUS * (1.0 + middle.abs());
+    if jumps || (above[0] - best).abs() > 100.0 * CONTINUOUS * (1.0 + best.abs()) {
         error = f64::INFINITY;
     }
     (best, error)
