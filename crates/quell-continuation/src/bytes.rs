@@ -184,24 +184,37 @@ const KINDS: [Kind; 23] = [
     Kind::TorusTorus,
 ];
 
+/// Writes a variant by its place in a list, one with an index by what comes after the list.
+fn put_variant<T: PartialEq>(list: &[T], own: &T, index: Option<usize>, out: &mut Vec<u8>) {
+    let place = || list.iter().position(|one| one == own);
+    index
+        .map(|index| list.len() + index)
+        .or_else(place)
+        .unwrap_or(usize::MAX)
+        .put(out);
+}
+
+/// What [`put_variant`] wrote.
+fn take_variant<T: Copy>(
+    list: &[T],
+    indexed: impl FnOnce(usize) -> T,
+    from: &mut &[u8],
+) -> Option<T> {
+    let number = usize::take(from).filter(|number| *number != usize::MAX)?;
+    let known = list.get(number).copied();
+    Some(known.unwrap_or_else(|| indexed(number - list.len())))
+}
+
 impl Kept for Kind {
     fn put(&self, out: &mut Vec<u8>) {
-        let number = match self {
-            Self::Monitor(index) => KINDS.len() + index,
-            own => KINDS
-                .iter()
-                .position(|kind| kind == own)
-                .unwrap_or(usize::MAX),
+        let index = match self {
+            Self::Monitor(index) => Some(*index),
+            _ => None,
         };
-        number.put(out);
+        put_variant(&KINDS, self, index, out);
     }
     fn take(from: &mut &[u8]) -> Option<Self> {
-        let number = usize::take(from)?;
-        if number == usize::MAX {
-            return None;
-        }
-        let kind = KINDS.get(number).copied();
-        Some(kind.unwrap_or_else(|| Self::Monitor(number - KINDS.len())))
+        take_variant(&KINDS, Self::Monitor, from)
     }
 }
 
@@ -236,22 +249,14 @@ const STOPS: [Stop; 12] = [
 
 impl Kept for Stop {
     fn put(&self, out: &mut Vec<u8>) {
-        let number = match self {
-            Self::Bound(index) => STOPS.len() + index,
-            own => STOPS
-                .iter()
-                .position(|stop| stop == own)
-                .unwrap_or(usize::MAX),
+        let index = match self {
+            Self::Bound(index) => Some(*index),
+            _ => None,
         };
-        number.put(out);
+        put_variant(&STOPS, self, index, out);
     }
     fn take(from: &mut &[u8]) -> Option<Self> {
-        let number = usize::take(from)?;
-        if number == usize::MAX {
-            return None;
-        }
-        let stop = STOPS.get(number).copied();
-        Some(stop.unwrap_or_else(|| Self::Bound(number - STOPS.len())))
+        take_variant(&STOPS, Self::Bound, from)
     }
 }
 

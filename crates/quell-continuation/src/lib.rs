@@ -64,9 +64,8 @@ pub use curve::{
     CriticalEquilibrium, CriticalOrbit, cycle_curve, fold_curve, fold_from_generalised_hopf,
     hopf_curve, torus_from_hopf_hopf,
 };
-pub use dense::solve_linear;
 pub use diagram::{Diagram, DiagramSettings, Keeper, Member, diagram, diagram_kept};
-pub use equilibrium::{equilibria, equilibria_across};
+pub use equilibrium::{equilibria, equilibria_across, equilibrium_beside};
 pub use kind::{Certainty, Kind};
 pub use monitor::{Monitor, View};
 pub use orbit::{

@@ -11,16 +11,6 @@ pub(crate) use eigen::{Spectrum, eigenvalues, eigenvector, left_eigenvector};
 pub(crate) use lu::Lu;
 pub(crate) use product::product_eigenvalues;
 
-/// Solves A x = b (A row major, n × n) in place by elimination with partial pivoting; None where an entry is not finite.
-pub fn solve_linear(n: usize, a: &[f64], b: &mut [f64]) -> Option<()> {
-    let mut lu = Lu::new();
-    if a.len() != n * n || b.len() != n || !lu.factor(n, a) {
-        return None;
-    }
-    lu.solve(b);
-    b.iter().all(|x| x.is_finite()).then_some(())
-}
-
 /// Σ `a_i` `b_i`.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Four sums at once: a single one would wait for every addition.

@@ -1,6 +1,8 @@
 //! Branches of equilibria f(x, p) = 0.
 
+mod beside;
 mod manifold;
+pub use beside::equilibrium_beside;
 pub(crate) use manifold::rate;
 pub(crate) mod normal;
 

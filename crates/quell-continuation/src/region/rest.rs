@@ -1,7 +1,7 @@
 //! The equilibrium of a region, followed over its rectangle.
 
 use crate::band::Linearisation;
-use crate::dense::{Lu, dot, norm};
+use crate::equilibrium::equilibrium_beside;
 use crate::problem::Problem;
 
 /// Longest and shortest step in the unit square.
@@ -9,9 +9,6 @@ const STRIDE: f64 = 1.0 / 32.0;
 const SHORTEST: f64 = 1e-7;
 /// Equilibria at points so far apart are kept to start from.
 const APART: f64 = 1.0 / 16.0;
-/// Newton has converged when a correction is smaller than this, relative to the state.
-const CONVERGED: f64 = 1e-12;
-const ITERATIONS: usize = 12;
 
 /// Follows an equilibrium from where it is known to where it is asked for, on a straight line.
 pub(super) struct Rest<'p> {
@@ -19,17 +16,14 @@ pub(super) struct Rest<'p> {
     known: Vec<([f64; 2], Vec<f64>)>,
     /// 1, or -1 where the matrix is wanted with the opposite sign: valleys of the growth rate are ridges then.
     pub(super) sign: f64,
-    jacobian: Vec<f64>,
 }
 
 impl<'p> Rest<'p> {
     pub(super) fn new(problem: &'p dyn Problem, at: [f64; 2], state: &[f64]) -> Self {
-        let n = problem.states();
         Self {
             problem,
             known: vec![(at, state.to_vec())],
             sign: 1.0,
-            jacobian: vec![0.0; n * n],
         }
     }
 
@@ -61,7 +55,12 @@ impl<'p> Rest<'p> {
             } else {
                 [0, 1].map(|k| from[k] + part * (to[k] - from[k]))
             };
-            let Some(found) = self.correct(&x, &at) else {
+            let problem = self.problem;
+            let found = equilibrium_beside(&x, |x, rates, jacobian| {
+                problem.value(0.0, x, &at, rates);
+                problem.jacobian(0.0, x, &at, jacobian);
+            });
+            let Some(found) = found else {
                 stride *= 0.25;
                 if stride < SHORTEST {
                     return None;
@@ -80,41 +79,6 @@ impl<'p> Rest<'p> {
             self.known.push((to, x.clone()));
         }
         Some(x)
-    }
-
-    /// Newton's method from a state nearby; none where it does not converge, or only far off (on another branch).
-    fn correct(&mut self, from: &[f64], at: &[f64; 2]) -> Option<Vec<f64>> {
-        let n = from.len();
-        let mut x = from.to_vec();
-        let mut first = f64::NAN;
-        for iteration in 0..ITERATIONS {
-            let mut step = vec![0.0; n];
-            self.problem.value(0.0, &x, at, &mut step);
-            self.problem.jacobian(0.0, &x, at, &mut self.jacobian);
-            let mut lu = Lu::new();
-            if !lu.factor(n, &self.jacobian) {
-                return None;
-            }
-            lu.solve(&mut step);
-            let length = norm(&step);
-            if !length.is_finite() {
-                return None;
-            }
-            if iteration == 0 {
-                first = length;
-            } else if length > 2.0 * first {
-                return None;
-            }
-            for (entry, add) in x.iter_mut().zip(&step) {
-                *entry -= add;
-            }
-            if length <= CONVERGED * (norm(&x) + 1e-3) {
-                let moved: Vec<f64> = x.iter().zip(from).map(|(a, b)| a - b).collect();
-                // On one branch the first step of Newton's method is most of the way.
-                return (dot(&moved, &moved).sqrt() <= 2.0 * first + CONVERGED).then_some(x);
-            }
-        }
-        None
     }
 }
 

@@ -1,6 +1,6 @@
 //! A system at rest as a matrix of two parameters.
 
-use quell_continuation::Linearisation;
+use quell_continuation::{Linearisation, equilibrium_beside};
 use quell_model::system::{EquilibriumStatus, Prepared};
 
 use crate::built::{Built, ValueScratch};
@@ -10,9 +10,6 @@ use crate::transient::{Source, parameters};
 /// Largest part of q's range that the equilibrium is followed in one step, and the smallest.
 const STRIDE: f64 = 1.0 / 32.0;
 const SHORTEST: f64 = 1e-7;
-/// Newton has converged on an equilibrium when a correction is smaller than this, relative to the state.
-const CONVERGED: f64 = 1e-12;
-const ITERATIONS: usize = 12;
 
 /// Host and devices about the equilibrium that is followed from the lower end of q's range.
 pub(super) struct AtRest<'a> {
@@ -32,7 +29,6 @@ pub(super) struct AtRest<'a> {
     /// Equilibria by q.
     known: Vec<(f64, Vec<f64>)>,
     rates: Vec<f64>,
-    jacobian: Vec<f64>,
 }
 
 impl<'a> AtRest<'a> {
@@ -63,7 +59,6 @@ impl<'a> AtRest<'a> {
             at: f64::NAN,
             known: Vec::new(),
             rates: vec![0.0; n],
-            jacobian: vec![0.0; n * n],
         }
     }
 
@@ -136,7 +131,11 @@ impl<'a> AtRest<'a> {
                 from + step
             };
             self.set(p, to);
-            let Some(next) = self.correct(&x) else {
+            let prepared = &mut self.prepared;
+            let next = equilibrium_beside(&x, |x, rates, jacobian| {
+                prepared.jacobian(0.0, x, rates, jacobian);
+            });
+            let Some(next) = next else {
                 stride = 0.25 * step.abs();
                 if stride < SHORTEST * width {
                     return None;
@@ -154,38 +153,6 @@ impl<'a> AtRest<'a> {
         }
         self.set(p, q);
         Some(x)
-    }
-
-    /// Newton's method from a state nearby; none where it does not converge, or only far off (on another branch).
-    fn correct(&mut self, from: &[f64]) -> Option<Vec<f64>> {
-        let n = from.len();
-        let mut x = from.to_vec();
-        let mut first = f64::NAN;
-        for iteration in 0..ITERATIONS {
-            self.prepared
-                .jacobian(0.0, &x, &mut self.rates, &mut self.jacobian);
-            let mut step: Vec<f64> = self.rates.iter().map(|rate| -rate).collect();
-            quell_continuation::solve_linear(n, &self.jacobian, &mut step)?;
-            let size = |v: &[f64]| v.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-            let length = size(&step);
-            if !length.is_finite() {
-                return None;
-            }
-            if iteration == 0 {
-                first = length;
-            } else if length > 2.0 * first {
-                return None;
-            }
-            for (entry, add) in x.iter_mut().zip(&step) {
-                *entry += add;
-            }
-            if length <= CONVERGED * (size(&x) + 1e-3) {
-                let moved: Vec<f64> = x.iter().zip(from).map(|(a, b)| a - b).collect();
-                // On one branch the first step of Newton's method is most of the way.
-                return (size(&moved) <= 2.0 * first + CONVERGED).then_some(x);
-            }
-        }
-        None
     }
 }
 
