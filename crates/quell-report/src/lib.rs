@@ -13,4 +13,4 @@ mod study;
 pub mod symbols;
 mod text;
 
-pub use study::{html, page as page_of, shown_swept, shown_unit};
+pub use study::{ended, html, motion_words, page as page_of, shown_swept, shown_unit};

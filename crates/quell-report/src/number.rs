@@ -3,6 +3,18 @@
 /// The digits shown where nothing else is asked for.
 pub const SIGNIFICANT_DIGITS: usize = 5;
 
+/// What is smaller than this part of the largest number beside it is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// As [`significant`], in a column whose largest number is given: beside it, rounding is zero.
+pub fn significant_beside(value: f64, largest: f64, digits: usize) -> String {
+    if value.abs() <= ROUNDING * largest {
+        "0".to_owned()
+    } else {
+        significant(value, digits)
+    }
+}
+
 /// Writes `value` with `digits` significant digits, trailing zeros kept, as `0.5000`, `18.710`, `208333` or `2.5000×10⁻⁹`.
 ///
 /// Plain decimals are used from 10⁻³ up to 10⁶, and a power of ten outside. Digits before the decimal point are

@@ -208,6 +208,8 @@ pub enum TaskKind {
     Diagram,
     /// A rectangle of two parameters, divided by what is stable.
     Region,
+    /// Motions in time from several starts.
+    Simulate,
 }
 
 impl TaskKind {
@@ -220,6 +222,7 @@ impl TaskKind {
             Self::Curve => "curve",
             Self::Diagram => "diagram",
             Self::Region => "region",
+            Self::Simulate => "simulate",
         }
     }
 }

@@ -4,11 +4,13 @@ mod bands;
 mod branches;
 mod device;
 mod front;
+mod motions;
 mod problem;
 mod regions;
 mod task;
 mod words;
 
+pub use motions::{ended, words as motion_words};
 use quell_study::study::{Swept, Task};
 use quell_study::{NamedValue, RunOutcome, Standing, Study};
 

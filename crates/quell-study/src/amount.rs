@@ -72,6 +72,14 @@ impl Amount {
         }
     }
 
+    /// As it was typed.
+    pub(crate) fn typed(&self) -> String {
+        let text = self.source.text.get(self.span.start..self.span.end);
+        text.unwrap_or_default()
+            .trim_matches(['"', '\''])
+            .to_owned()
+    }
+
     /// Where it was typed.
     pub const fn span(&self) -> Span {
         self.span

@@ -368,33 +368,35 @@ pub const CRITERION: KeySet = KeySet {
 /// `[[tasks]]`.
 pub const TASK: KeySet = KeySet {
     title: "Task",
-    documentation: "What is asked: `evaluate` given configurations; `design`: the best values of candidate layouts, ranked; `branch`: equilibria or cycles followed in one parameter, with their special points; `curve`: special points followed in two; `diagram`: every branch in one parameter that can be found; `region`: a rectangle of two parameters divided by what is stable in its parts.",
+    documentation: "What is asked: `evaluate` given configurations; `design`: the best values of candidate layouts, ranked; `branch`: equilibria or cycles followed in one parameter, with their special points; `curve`: special points followed in two; `diagram`: every branch in one parameter that can be found; `region`: a rectangle of two parameters divided by what is stable in its parts; `simulate`: motions let go from several starts, as a check on a diagram or region.",
     keys: &[
         Key::required("name", Shape::Text, "Unique name of the task."),
         Key::required(
             "kind",
-            Shape::Choice(&["evaluate", "design", "branch", "curve", "diagram", "region"]),
+            Shape::Choice(&[
+                "evaluate", "design", "branch", "curve", "diagram", "region", "simulate",
+            ]),
             "What is asked.",
         ),
         Key::optional(
             "configuration",
             Shape::AnyOf(&[Shape::MapOf(&Shape::Anything), Shape::Text]),
-            "branch, curve, diagram, region: a layout for each slot and the values, `{ damper = \"k1 | c1\", k1 = \"…\", c1 = \"…\" }`, or the name of a configuration of an `evaluate` task above. Unless given, that of the task at which it starts, or no device.",
+            "branch, curve, diagram, region, simulate: a layout for each slot and the values, `{ damper = \"k1 | c1\", k1 = \"…\", c1 = \"…\" }`, or the name of a configuration of an `evaluate` task above. Unless given, that of the task at which it starts, or no device.",
         ),
         Key::optional(
             "parameter",
             Shape::Text,
-            "branch, diagram: what is followed: a parameter of the host, or a value of the configuration (of an element `c1`, of a component `track1.dL`, of a nonlinear element `gas.n`).",
+            "branch, diagram, simulate: what is followed, or has the values `at`: a parameter of the host, or a value of the configuration (of an element `c1`, of a component `track1.dL`, of a nonlinear element `gas.n`).",
         ),
         Key::optional(
             "parameters",
             TEXTS,
-            "curve, region: the two parameters; of a region the first one runs along the abscissa.",
+            "curve, region, simulate: the two parameters; of a region the first one runs along the abscissa.",
         ),
         Key::optional(
             "ranges",
             Shape::MapOf(&Shape::List(&Shape::Amount)),
-            "branch, curve, diagram, region: `[lower, upper]` by parameter; unless given that of the task at which it starts, or of `[operating]` of the host.",
+            "branch, curve, diagram, region, simulate: `[lower, upper]` by parameter; unless given that of the task at which it starts, or of `[operating]` of the host.",
         ),
         Key::optional(
             "start",
@@ -403,18 +405,28 @@ pub const TASK: KeySet = KeySet {
         ),
         Key::optional(
             "at",
-            Shape::List(&Shape::Amount),
-            "branch, curve, diagram: values of the first parameter at which solutions are wanted exactly.",
+            Shape::List(&Shape::AnyOf(&[Shape::Amount, Shape::List(&Shape::Amount)])),
+            "branch, curve, diagram: values of the first parameter at which solutions are wanted exactly. simulate: values at which motions are let go: of one parameter, or pairs of two, `[[\"29 m/s\", \"3.6e4 N*m*s/rad\"]]`; unless given, those of the configuration.",
         ),
         Key::optional(
             "measures",
             Shape::MapOf(&Shape::AnyOf(&[Shape::Expression, Shape::Table(&MEASURE)])),
-            "branch, curve, diagram, region: numbers taken from every solution, by name: arithmetic over `max(s)`, `min(s)`, `mean(s)`, `rms(s)`, `amplitude(s)` (half of the swing) of any signal s: over the period of a cycle, at an equilibrium its value.",
+            "branch, curve, diagram, region, simulate: numbers taken from every solution, by name: arithmetic over `max(s)`, `min(s)`, `mean(s)`, `rms(s)`, `amplitude(s)` (half of the swing) of any signal s: over the period of a cycle, at an equilibrium its value; of a motion over stretches of it.",
         ),
         Key::optional(
             "oscillations",
             Shape::MapOf(&Shape::Expression),
-            "branch, curve, diagram, region: names of oscillations, each with a number as in `measures`; all of one dimension. A cycle has the name of the largest: `{ torsion = \"max(abs(p))\", bending = \"max(abs(d))\" }`.",
+            "branch, curve, diagram, region, simulate: names of oscillations, each with a number as in `measures`; all of one dimension. A cycle has the name of the largest: `{ torsion = \"max(abs(p))\", bending = \"max(abs(d))\" }`.",
+        ),
+        Key::optional(
+            "of",
+            Shape::Text,
+            "simulate: a `branch`, `diagram` or `region` above. Its configuration, parameters, measures and names of oscillations are those of the motions, and where they end is compared with what it says is stable.",
+        ),
+        Key::optional(
+            "duration",
+            Shape::Amount,
+            "simulate: for how long a motion is watched at most; unless given ten times as long as the slowest mode at rest takes to grow or decay by e, but 200 to 4000 turns. A motion that has settled is watched no longer.",
         ),
         Key::optional(
             "cycles",
@@ -454,7 +466,7 @@ pub const TASK: KeySet = KeySet {
         Key::optional(
             "period",
             Shape::Amount,
-            "branch, curve: the period of what forces the host, an expression of its parameters, `\"2*pi/Omega\"`; needed where `t` is in the equations.",
+            "branch, curve, simulate: the period of what forces the host, an expression of its parameters, `\"2*pi/Omega\"`; needed where `t` is in the equations.",
         ),
         Key::optional(
             "configurations",
@@ -498,8 +510,8 @@ pub const TASK: KeySet = KeySet {
         ),
         Key::optional(
             "starts",
-            Shape::Integer,
-            "design: independent starts for each layout; chosen from the number of variables unless given.",
+            Shape::AnyOf(&[Shape::Integer, Shape::List(&AMOUNTS)]),
+            "design: independent starts for each layout; chosen from the number of variables unless given. simulate: where motions begin: so many pushes from the equilibrium along its least damped modes, from small ones to such that the equations are far from linear (4 unless given); or a list of values, `[{ p = \"3 deg\" }, { \"d'\" = \"0.1 rad/s\" }]`, in which what is not named is at rest.",
         ),
         Key::optional(
             "agree",

@@ -19,6 +19,7 @@ mod linear;
 pub mod outcome;
 mod plots;
 mod problem;
+mod push;
 mod read;
 mod record;
 mod reference;

@@ -6,46 +6,11 @@
     reason = "a failed test ends by panic"
 )]
 
-use std::path::{Path, PathBuf};
+mod support;
 
-use quell_study::continuation::{BranchResult, ContinuationResult, SpecialResult};
-use quell_study::results::{Results, TaskBody, TaskFindings};
-use quell_study::{RunSettings, Silent, Study};
-
-fn gallery(name: &str) -> Study {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../studies")
-        .join(name);
-    Study::read(&path).unwrap_or_else(|fault| panic!("{}", fault.render()))
-}
-
-fn run(study: &Study, threads: usize, tasks: &[&str]) -> Results {
-    let settings = RunSettings {
-        seed: 1,
-        threads: Some(threads),
-        tasks: tasks.iter().map(|task| (*task).to_owned()).collect(),
-    };
-    quell_study::run(study, &settings, &Silent)
-        .unwrap_or_else(|error| panic!("{error}"))
-        .results
-}
-
-fn found<'a>(results: &'a Results, task: &str) -> &'a ContinuationResult {
-    let result = &results.tasks[task];
-    assert_eq!(result.status, "done", "{task}");
-    match &result.body {
-        TaskBody::Single(TaskFindings::Continuation(found)) => found,
-        other => panic!("{task} follows nothing: {other:?}"),
-    }
-}
-
-fn points<'a>(branch: &'a BranchResult, kind: &str) -> Vec<&'a SpecialResult> {
-    branch
-        .special
-        .iter()
-        .filter(|one| one.kind == kind)
-        .collect()
-}
+use quell_study::continuation::{BranchResult, ContinuationResult};
+use quell_study::{RunSettings, Silent};
+use support::{found, gallery, points, run, written};
 
 fn values(branch: &BranchResult, kind: &str, parameter: &str) -> Vec<f64> {
     let mut values: Vec<f64> = points(branch, kind)
@@ -238,9 +203,7 @@ start = ["response:LPC1", "response:LPC2"]
 parameters = ["Om", "F0"]
 ranges = { F0 = [0.02, 0.4] }
 "#;
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hosts");
-    let source = quell_document::Source::new("study.toml", text.to_owned());
-    let study = Study::parse(source, &folder).unwrap_or_else(|fault| panic!("{}", fault.render()));
+    let study = written(text);
     let results = run(&study, 2, &[]);
     let response = &found(&results, "response").branches[0];
     near(
@@ -296,12 +259,7 @@ at = [0.3, 0.5, 1, 1.4]
 longest_period = 30
 measures = { work = "rms(phi')^2", least = "min(phi)", most = "max(phi)" }
 "#;
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hosts");
-    let parsed = |text: &str| {
-        let source = quell_document::Source::new("study.toml", text.to_owned());
-        Study::parse(source, &folder).unwrap_or_else(|fault| panic!("{}", fault.render()))
-    };
-    let results = run(&parsed(text), 2, &[]);
+    let results = run(&written(text), 2, &[]);
     let rotations = &found(&results, "rotations").branches[0];
     assert!(rotations.at.len() >= 4, "{rotations:?}");
     for at in &rotations.at {
@@ -335,9 +293,7 @@ parameter = "torque"
 ranges = { torque = [0.2, 1.5] }
 start = { run = "settle" }
 "#;
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hosts");
-    let source = quell_document::Source::new("study.toml", text.to_owned());
-    let study = Study::parse(source, &folder).unwrap_or_else(|fault| panic!("{}", fault.render()));
+    let study = written(text);
     let refused = quell_study::run(&study, &RunSettings::default(), &Silent).unwrap_err();
     let words = refused.to_string();
     assert!(

@@ -6,11 +6,13 @@
     reason = "a failed test ends by panic"
 )]
 
-use std::path::Path;
+mod support;
+
 use std::time::Duration;
 
 use quell_study::store::Store;
-use quell_study::{Interrupt, Progress, RunOutcome, RunSettings, Silent, Study};
+use quell_study::{Interrupt, Progress, RunOutcome, Silent};
+use support::settings;
 
 /// A forced Duffing oscillator with the folds of its response.
 const STUDY: &str = r#"
@@ -38,20 +40,6 @@ start = "response:LPC1"
 parameters = ["Om", "F0"]
 ranges = { F0 = [0.02, 0.4] }
 "#;
-
-fn study() -> Study {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hosts");
-    let source = quell_document::Source::new("study.toml", STUDY.to_owned());
-    Study::parse(source, &folder).unwrap_or_else(|fault| panic!("{}", fault.render()))
-}
-
-fn settings(tasks: &[&str]) -> RunSettings {
-    RunSettings {
-        seed: 1,
-        threads: Some(2),
-        tasks: tasks.iter().map(|task| (*task).to_owned()).collect(),
-    }
-}
 
 /// Results and files to the last digit, but for the time it took.
 fn written(outcome: &RunOutcome) -> (String, Vec<(String, String)>) {
@@ -95,12 +83,12 @@ impl Progress for Impatient {
 
 #[test]
 fn what_is_interrupted_says_so_and_goes_on_to_the_same_bits() {
-    let study = study();
-    let whole = quell_study::run(&study, &settings(&[]), &Silent).unwrap();
+    let study = support::written(STUDY);
+    let whole = quell_study::run(&study, &settings(2, &[]), &Silent).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let run = |progress: &dyn Progress| {
         let store = Store::open(folder.path()).unwrap();
-        let outcome = quell_study::run_with_store(&study, &settings(&[]), progress, &store);
+        let outcome = quell_study::run_with_store(&study, &settings(2, &[]), progress, &store);
         (outcome.unwrap(), store.count().unwrap())
     };
     // At once: a branch with its start alone, which is no unit of work, and no second task.
@@ -139,16 +127,16 @@ fn what_is_interrupted_says_so_and_goes_on_to_the_same_bits() {
 
 #[test]
 fn a_labelled_point_is_a_start_after_a_restart() {
-    let study = study();
+    let study = support::written(STUDY);
     let folder = tempfile::tempdir().unwrap();
     let run = |tasks: &[&str]| {
         let store = Store::open(folder.path()).unwrap();
-        quell_study::run_with_store(&study, &settings(tasks), &Silent, &store).unwrap()
+        quell_study::run_with_store(&study, &settings(2, tasks), &Silent, &store).unwrap()
     };
     assert_eq!(run(&["response"]).restored, 0);
     // The branch that the curve starts on comes from the store, with the orbit of its label on its mesh.
     let folds = run(&["folds"]);
     assert_eq!(folds.restored, 1);
-    let alone = quell_study::run(&study, &settings(&["folds"]), &Silent).unwrap();
+    let alone = quell_study::run(&study, &settings(2, &["folds"]), &Silent).unwrap();
     assert_eq!(written(&folds), written(&alone));
 }

@@ -6,30 +6,19 @@
     reason = "a failed test ends by panic"
 )]
 
-use std::path::{Path, PathBuf};
+mod support;
 
 use quell_study::continuation::{BranchOutcome, ContinuationFindings, RegionFindings};
-use quell_study::{Findings, RunSettings, Silent, Study};
-
-fn gallery(name: &str) -> Study {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../studies")
-        .join(name);
-    Study::read(&path).unwrap_or_else(|fault| panic!("{}", fault.render()))
-}
+use quell_study::{Findings, Silent, Study};
+use support::{gallery, settings};
 
 fn followed(study: &Study, task: &str) -> ContinuationFindings {
     followed_by(study, task, 2)
 }
 
 fn followed_by(study: &Study, task: &str, threads: usize) -> ContinuationFindings {
-    let settings = RunSettings {
-        seed: 1,
-        threads: Some(threads),
-        tasks: vec![task.to_owned()],
-    };
-    let outcome =
-        quell_study::run(study, &settings, &Silent).unwrap_or_else(|error| panic!("{error}"));
+    let outcome = quell_study::run(study, &settings(threads, &[task]), &Silent)
+        .unwrap_or_else(|error| panic!("{error}"));
     match &outcome.tasks[0].points[0].findings {
         Findings::Continuation(found) => {
             assert_eq!(found.status, "done");

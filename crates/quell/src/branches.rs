@@ -1,9 +1,12 @@
-//! Branches, curves, diagrams and regions as text for a terminal: a table of special points.
+//! Branches, curves, diagrams, regions and motions as text for a terminal: a table of special points, or of where motions ended.
 
 use std::fmt::Write as _;
 
-use quell_report::number::{significant, unit};
-use quell_study::continuation::{BranchOutcome, BranchPoint, ContinuationFindings, RegionFindings};
+use quell_report::number::{significant, significant_beside, unit};
+use quell_report::{ended, motion_words};
+use quell_study::continuation::{
+    BranchOutcome, BranchPoint, ContinuationFindings, MotionFindings, RegionFindings,
+};
 
 use crate::table::{Table, wrap};
 
@@ -29,12 +32,12 @@ pub(crate) fn text(
         format!(", at {at}")
     };
     // Writing to a string cannot fail.
-    let _ = writeln!(
-        text,
-        "{name}: {} in {}{place}",
-        found.follows.kind(),
-        parameters.join(" and ")
-    );
+    let over = if parameters.is_empty() {
+        String::new()
+    } else {
+        format!(" in {}", parameters.join(" and "))
+    };
+    let _ = writeln!(text, "{name}: {}{over}{place}", found.follows.kind());
     if found.status != "done" {
         for line in wrap(&format!("NOTHING FOLLOWED: {}", found.status), width - 2) {
             let _ = writeln!(text, "  {line}");
@@ -51,10 +54,66 @@ pub(crate) fn text(
             }
         }
     }
+    if let Some(motions) = &found.motions {
+        text.push_str(&let_go(found, motions).text(2, width));
+        for words in motion_words(found, motions) {
+            for line in wrap(&words, width - 2) {
+                let _ = writeln!(text, "  {line}");
+            }
+        }
+    }
     for note in &found.notes {
         for line in wrap(note, width - 2) {
             let _ = writeln!(text, "  {line}");
         }
+    }
+}
+
+/// Motions with where they ended.
+fn let_go(found: &ContinuationFindings, motions: &MotionFindings) -> Table {
+    let mut heading: Vec<String> = found
+        .parameters
+        .iter()
+        .map(|one| headed(&one.name, &one.unit))
+        .collect();
+    let numbers = heading.len();
+    heading.extend(["start", "end", "watched [s]", "period [s]"].map(str::to_owned));
+    heading.extend(
+        found
+            .measures
+            .iter()
+            .map(|one| headed(&one.name, &one.unit)),
+    );
+    let mut table = Table::new(heading, numbers + 2);
+    let most = motions.largest();
+    for place in &motions.places {
+        for motion in &place.motions {
+            let mut row: Vec<String> = place
+                .parameters
+                .iter()
+                .map(|value| significant(*value, 5))
+                .collect();
+            row.push(motion.start.clone());
+            row.push(ended(found, place, motion));
+            row.push(significant(motion.duration, 4));
+            let period = motion.point.period;
+            row.push(period.map_or_else(String::new, |period| significant(period, 5)));
+            let measured = found.measures.iter().zip(&motion.point.measures);
+            let shown = measured.zip(&most).map(|((head, value), most)| {
+                significant_beside(value / head.factor, most / head.factor, 4)
+            });
+            row.extend(shown);
+            table.row(row, Vec::new());
+        }
+    }
+    table
+}
+
+/// The heading of a column of numbers.
+fn headed(name: &str, shown: &str) -> String {
+    match shown {
+        "" | "1" => name.to_owned(),
+        text => format!("{name} [{}]", unit(text)),
     }
 }
 
@@ -80,10 +139,6 @@ fn cells(found: &ContinuationFindings, regions: &RegionFindings) -> Table {
 
 fn table(found: &ContinuationFindings) -> Table {
     let mut heading = vec!["branch".to_owned(), "point".to_owned()];
-    let headed = |name: &str, shown: &str| match shown {
-        "" | "1" => name.to_owned(),
-        text => format!("{name} [{}]", unit(text)),
-    };
     heading.extend(
         found
             .parameters
@@ -99,6 +154,7 @@ fn table(found: &ContinuationFindings) -> Table {
     );
     heading.push("stability".to_owned());
     let mut table = Table::new(heading, 2);
+    let most = found.largest();
     for branch in &found.branches {
         let mut cells = vec![branch.id.clone(), words(branch)];
         cells.resize(
@@ -118,7 +174,7 @@ fn table(found: &ContinuationFindings) -> Table {
             }
             rows.push((
                 special.after as f64,
-                row(found, &special.label, &special.point, stability),
+                row(found, &most, &special.label, &special.point, stability),
             ));
         }
         for at in &branch.at {
@@ -130,7 +186,7 @@ fn table(found: &ContinuationFindings) -> Table {
             if let Some(name) = found.oscillation(at) {
                 let _ = write!(stability, ", {name}");
             }
-            rows.push((f64::INFINITY, row(found, "at", at, stability)));
+            rows.push((f64::INFINITY, row(found, &most, "at", at, stability)));
         }
         for (_, cells) in rows {
             table.row(cells, Vec::new());
@@ -161,6 +217,7 @@ fn words(branch: &BranchOutcome) -> String {
 
 fn row(
     found: &ContinuationFindings,
+    most: &[f64],
     label: &str,
     point: &BranchPoint,
     stability: String,
@@ -177,13 +234,9 @@ fn row(
             .period
             .map_or_else(String::new, |period| significant(period, DIGITS)),
     );
-    cells.extend(
-        found
-            .measures
-            .iter()
-            .zip(&point.measures)
-            .map(|(head, value)| significant(value / head.factor, DIGITS)),
-    );
+    cells.extend(found.measures.iter().zip(&point.measures).zip(most).map(
+        |((head, value), most)| significant_beside(value / head.factor, most / head.factor, DIGITS),
+    ));
     cells.push(stability);
     cells
 }

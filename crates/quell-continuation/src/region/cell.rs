@@ -1,6 +1,6 @@
 //! What is stable at a point of a cell.
 
-use crate::branch::{Branch, Equilibrium, Point, Special};
+use crate::branch::{Branch, Point, Special};
 use crate::diagram::{DiagramSettings, diagram};
 use crate::kind::Kind;
 use crate::orbit::Orbit;
@@ -54,12 +54,12 @@ pub(super) fn look(
         out.odd |= found.odd;
         for member in &found.equilibria {
             for point in stable(&member.branch) {
-                out.add_equilibrium(point);
+                out.add(Attractor::Equilibrium(point.solution.clone()));
             }
         }
         for member in &found.cycles {
             for point in stable(&member.branch) {
-                out.add_cycle(&point.solution);
+                out.add(Attractor::Cycle(point.solution.clone()));
             }
             for special in &member.branch.special {
                 let ends = special.unstable.contains(&0)
@@ -84,39 +84,42 @@ fn stable<S>(branch: &Branch<S>) -> impl Iterator<Item = &Point<S>> {
 }
 
 impl Looked {
-    fn add_equilibrium(&mut self, point: &Point<Equilibrium>) {
-        let new = &point.solution.state;
-        let known = self.attractors.iter().any(|one| match one {
-            Attractor::Equilibrium(known) => {
+    /// Adds what is not known yet.
+    pub(super) fn add(&mut self, new: Attractor) {
+        let known = self.attractors.iter().any(|known| match (known, &new) {
+            (Attractor::Equilibrium(known), Attractor::Equilibrium(new)) => {
                 let gap = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-6 * (1.0 + a.abs());
-                known.state.iter().zip(new).all(gap)
+                let pairs = || known.state.iter().zip(&new.state);
+                pairs().all(gap) || self.odd && pairs().all(|(a, b)| gap((a, &-b)))
             }
-            Attractor::Cycle(_) => false,
+            (Attractor::Cycle(known), Attractor::Cycle(new)) => {
+                same(known, new) || self.odd && mirrored(known, new)
+            }
+            _ => false,
         });
         if !known {
-            let own = point.solution.clone();
-            self.attractors.push(Attractor::Equilibrium(own));
-        }
-    }
-
-    fn add_cycle(&mut self, orbit: &Orbit) {
-        let known = self.attractors.iter().any(|one| match one {
-            Attractor::Cycle(known) => same(known, orbit),
-            Attractor::Equilibrium(_) => false,
-        });
-        if !known {
-            self.attractors.push(Attractor::Cycle(orbit.clone()));
+            self.attractors.push(new);
         }
     }
 }
 
 /// Whether two orbits at the same parameters are one.
 fn same(a: &Orbit, b: &Orbit) -> bool {
+    alike(a, b, |(low, high)| (low, high))
+}
+
+/// Whether one is the mirror image of the other.
+fn mirrored(a: &Orbit, b: &Orbit) -> bool {
+    alike(a, b, |(low, high)| (-high, -low))
+}
+
+/// Whether periods and ranges agree, those of the second seen in a mirror or not.
+fn alike(a: &Orbit, b: &Orbit, seen: impl Fn((f64, f64)) -> (f64, f64)) -> bool {
     if (a.period / b.period - 1.0).abs() > SAME {
         return false;
     }
     (0..a.dimension).all(|i| {
-        let ((low, high), (other, top)) = (a.range(i), b.range(i));
+        let ((low, high), (other, top)) = (a.range(i), seen(b.range(i)));
         let size = (high - low).max(top - other);
         (low - other).abs().max((high - top).abs()) <= SAME.sqrt() * size + 1e-9
     })

@@ -64,6 +64,7 @@ impl<'p> Atlas<'p> {
                 ends: false,
                 lines: 0,
                 diagrams: 0,
+                ways: 0,
                 branch_points: Vec::new(),
                 odd: false,
                 failed: Vec::new(),
@@ -442,6 +443,7 @@ impl<'p> Atlas<'p> {
         self,
         cells: Vec<(Face, Option<Vec<Attractor>>)>,
         diagrams: usize,
+        ways: usize,
     ) -> Region {
         let Self {
             square,
@@ -490,6 +492,7 @@ impl<'p> Atlas<'p> {
             })
             .collect();
         out.diagrams = diagrams;
+        out.ways = ways;
         out.odd = odd;
         out
     }

@@ -5,14 +5,17 @@
 //! its columns. (2) Every curve is followed over the rectangle with its points of codimension two. (3) Torus curves are followed from
 //! Hopf-Hopf points, folds of cycles from generalised Hopf points. (4) The curves divide the rectangle into cells. (5) At a point of each, the
 //! diagrams along both parameters tell what is stable; special points of cycles that lie on none of the curves start further ones, and
-//! (4) and (5) are done again.
+//! (4) and (5) are done again. (6) What is stable in a cell is followed along straight lines into its neighbours, and on from there: a boundary
+//! is a bifurcation of one solution, and the others pass it.
 //!
 //! All of it happens in the unit square: parameters go from 0 to 1 on the scales of their ranges, so that a range of decades is looked at
 //! evenly. What is handed out is in the parameters themselves.
 
 mod arrangement;
+mod carry;
 mod cell;
 mod curves;
+mod mapped;
 mod rescaled;
 mod rest;
 
@@ -28,6 +31,7 @@ use crate::orbit::Orbit;
 use crate::problem::Problem;
 use crate::settings::{ContinuationError, MeshSettings, Settings};
 
+use arrangement::Face;
 use cell::Looked;
 use curves::Atlas;
 use rescaled::Rescaled;
@@ -129,6 +133,8 @@ pub struct Region {
     pub lines: usize,
     /// Diagrams that were followed through cells.
     pub diagrams: usize,
+    /// Ways from cell to cell along which stable solutions were followed.
+    pub ways: usize,
     /// Points at which a real eigenvalue passes zero without a fold: branch points, whose curves are not followed.
     pub branch_points: Vec<[f64; 2]>,
     /// Whether f(-x) = -f(x), so that of mirror images one was counted.
@@ -255,8 +261,7 @@ pub fn region(
                 seen.push((face.inside, looked));
                 Some(seen.len() - 1)
             });
-            let attractors = place.map(|place| seen[place].1.attractors.clone());
-            cells.push((face, attractors));
+            cells.push((face, place));
         }
         let known = atlas.curves.len();
         if round < settings.rounds {
@@ -266,5 +271,20 @@ pub fn region(
             break;
         }
     }
-    Ok(atlas.finish(cells, diagrams))
+    let looked: Vec<(&Face, usize)> = cells
+        .iter()
+        .filter_map(|(face, place)| Some((face, (*place)?)))
+        .collect();
+    let ways = carry::carry(&square, &looked, &mut seen, &look.branch);
+    let cells = cells
+        .into_iter()
+        .map(|(face, place)| {
+            let attractors = place.and_then(|place| seen.get(place));
+            (
+                face,
+                attractors.map(|(_, looked)| looked.attractors.clone()),
+            )
+        })
+        .collect();
+    Ok(atlas.finish(cells, diagrams, ways))
 }

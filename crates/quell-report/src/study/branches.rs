@@ -4,12 +4,12 @@ use quell_study::continuation::{
     BranchOutcome, BranchPoint, ContinuationFindings, Follows, MeasureHead,
 };
 
-use crate::number::{significant, unit};
+use crate::number::{significant, significant_beside, unit};
 use crate::page::{PointTable, TaskKind};
 use crate::plot::{Axis, Mark, Plot, Role, Series};
 
 /// Digits of a special point.
-const DIGITS: usize = 6;
+pub(super) const DIGITS: usize = 6;
 
 /// What kind of task it is.
 pub(super) const fn kind(found: &ContinuationFindings) -> TaskKind {
@@ -18,6 +18,7 @@ pub(super) const fn kind(found: &ContinuationFindings) -> TaskKind {
         Follows::Curve => TaskKind::Curve,
         Follows::Diagram => TaskKind::Diagram,
         Follows::Region => TaskKind::Region,
+        Follows::Motions => TaskKind::Simulate,
     }
 }
 
@@ -184,12 +185,19 @@ fn name(branch: &BranchOutcome) -> String {
     )
 }
 
-/// The special points, and the solutions at the values that were asked for.
-pub(super) fn table(found: &ContinuationFindings) -> PointTable {
-    let headed = |name: &str, shown: &str| match shown {
+/// The heading of a column of numbers.
+pub(super) fn headed(name: &str, shown: &str) -> String {
+    match shown {
         "" | "1" => name.to_owned(),
         text => format!("{name} ({})", unit(text)),
-    };
+    }
+}
+
+/// The special points, and the solutions at the values that were asked for.
+pub(super) fn table(found: &ContinuationFindings) -> PointTable {
+    if let Some(motions) = &found.motions {
+        return super::motions::table(found, motions);
+    }
     let mut heading = vec!["Branch".to_owned(), "Point".to_owned()];
     heading.extend(
         found
@@ -209,6 +217,7 @@ pub(super) fn table(found: &ContinuationFindings) -> PointTable {
         heading.push("oscillation".to_owned());
     }
     heading.push("unstable".to_owned());
+    let most = found.largest();
     let row = |branch: &BranchOutcome, label: &str, point: &BranchPoint, stability: String| {
         let mut cells = vec![branch.id.clone(), label.to_owned()];
         let numbers = point.parameters.iter();
@@ -219,7 +228,10 @@ pub(super) fn table(found: &ContinuationFindings) -> PointTable {
                 .map_or_else(String::new, |period| significant(period, DIGITS)),
         );
         let measured = found.measures.iter().zip(&point.measures);
-        cells.extend(measured.map(|(head, value)| significant(value / head.factor, DIGITS)));
+        let shown = measured.zip(&most).map(|((head, value), most)| {
+            significant_beside(value / head.factor, most / head.factor, DIGITS)
+        });
+        cells.extend(shown);
         if named {
             cells.push(found.oscillation(point).unwrap_or_default().to_owned());
         }
@@ -257,7 +269,9 @@ fn in_short(found: &ContinuationFindings) -> String {
     let number = found.branches.len();
     let mut text = match found.follows {
         Follows::Curve | Follows::Region => count(number, "curve", "curves"),
-        Follows::Branch | Follows::Diagram => count(number, "branch", "branches"),
+        Follows::Branch | Follows::Diagram | Follows::Motions => {
+            count(number, "branch", "branches")
+        }
     };
     let special = found.branches.iter().map(|branch| branch.special.len());
     text.push_str(", ");
@@ -301,6 +315,9 @@ pub(super) fn words(found: &ContinuationFindings) -> Vec<String> {
         .collect();
     if !ends.is_empty() {
         words.push(format!("{}.", ends.join("; ")));
+    }
+    if let Some(motions) = &found.motions {
+        words = super::motions::words(found, motions);
     }
     if let Some(regions) = &found.regions {
         words.extend(super::regions::words(found, regions));

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use quell_study::continuation::ContinuationFindings;
 use quell_study::study::{DesignTask, Swept, Task, TaskKind as Asked};
 use quell_study::{
     Design, Evaluated, Findings, NamedValue, Over, PointOutcome, Reference, Role, RunOutcome,
@@ -149,7 +150,14 @@ impl Bridge<'_> {
                 section.kind = super::branches::kind(found);
                 section.words = super::branches::words(found);
                 section.points = Some(super::branches::table(found));
-                section.plots = super::branches::plots(found);
+                section.plots = match &found.motions {
+                    Some(motions) => {
+                        let of = motions.of.as_deref();
+                        let of = of.and_then(|of| followed(outcome, of));
+                        super::motions::plots(found, motions, of)
+                    }
+                    None => super::branches::plots(found),
+                };
                 return section;
             }
             section.designs = self.designs(point, design, &section.criteria);
@@ -711,4 +719,13 @@ fn wide(series: &[Series]) -> bool {
         most = most.max(value);
     }
     most > 1e4 * least
+}
+
+/// What another task of the run followed.
+fn followed<'o>(outcome: &'o RunOutcome, name: &str) -> Option<&'o ContinuationFindings> {
+    let task = outcome.tasks.iter().find(|task| task.name == name)?;
+    match &task.points.first()?.findings {
+        Findings::Continuation(found) => Some(found),
+        _ => None,
+    }
 }

@@ -2,13 +2,14 @@
 
 use quell_continuation::{
     Band, Branch, Edge, Equilibrium, Kind, Limit, Linearisation, Orbit, Settings, Special,
-    cycle_curve, cycles_from_pair, eigenpairs, first_lyapunov,
+    cycle_curve, cycles_from_pair, first_lyapunov,
 };
 use quell_response::transient::{End, simulate};
 
 use super::plan::{BandPlan, FoundBands};
 use crate::built::{Built, ValueScratch};
 use crate::continuation::{Field, Moving};
+use crate::push::{Push, Still, push};
 
 /// What was tested of a band.
 #[derive(Debug, Clone, Default)]
@@ -309,7 +310,7 @@ fn simulations(
                 free.span.value((row as f64 + 0.5) / along as f64)
             });
             let mut rest = plan.at_rest(built, values);
-            let Some(push) = pushed(&mut rest, p, q, &mut random) else {
+            let Some((push, duration)) = pushed(&mut rest, p, q, &mut random) else {
                 continue;
             };
             made += 1;
@@ -321,7 +322,7 @@ fn simulations(
             let run = simulate(
                 &mut rest.prepared,
                 &push.state,
-                (0.0, push.duration),
+                (0.0, duration),
                 &[],
                 &settings,
             );
@@ -333,8 +334,8 @@ fn simulations(
                             .map(|state| push.size(&state))
                             .fold(0.0, f64::max)
                     };
-                    let end = push.duration;
-                    let linear = SLOWER * (push.growth * 0.8 * end).exp();
+                    let end = duration;
+                    let linear = SLOWER * (push.leading.re * 0.8 * end).exp();
                     let most = linear.clamp(DECAYED, STANDING);
                     swing(0.9 * end, end) < most * swing(0.0, 0.1 * end)
                 }
@@ -367,102 +368,30 @@ fn simulations(
     }
 }
 
-/// A large push from an equilibrium.
-struct Push {
-    state: Vec<f64>,
-    rest: Vec<f64>,
-    /// What each state is measured by.
-    scale: Vec<f64>,
-    /// Largest real part of an eigenvalue, 1/s.
-    growth: f64,
-    duration: f64,
-}
-
-impl Push {
-    fn size(&self, state: &[f64]) -> f64 {
-        state
-            .iter()
-            .zip(&self.rest)
-            .zip(&self.scale)
-            .map(|((x, rest), scale)| (x - rest).abs() / scale)
-            .fold(0.0, f64::max)
-    }
-}
-
-/// A push along the two least damped modes, in phases drawn at random.
-fn pushed(rest: &mut super::rest::AtRest<'_>, p: f64, q: f64, random: &mut u64) -> Option<Push> {
+/// A push as far as the equations are nonlinear, and for how long the motion is watched, s.
+fn pushed(
+    rest: &mut super::rest::AtRest<'_>,
+    p: f64,
+    q: f64,
+    random: &mut u64,
+) -> Option<(Push, f64)> {
     let n = rest.states();
     let mut matrix = vec![0.0; n * n];
     if !rest.matrix(p, q, &mut matrix) {
         return None;
     }
-    let still = rest.equilibrium(p, q)?;
-    let modes = eigenpairs(n, &matrix)?;
-    let oscillating: Vec<_> = modes.iter().filter(|(value, _)| value.im > 0.0).collect();
-    let (first, _) = oscillating.first()?;
-    let mut direction = vec![0.0; n];
-    let mut scale = vec![0.0_f64; n];
-    for (index, (_, vector)) in oscillating.iter().take(2).enumerate() {
-        let phase = std::f64::consts::TAU * uniform(random);
-        let weight = if index == 0 { 1.0 } else { 0.5 };
-        for ((entry, size), v) in direction.iter_mut().zip(&mut scale).zip(vector) {
-            *entry += weight * (v.re * phase.cos() - v.im * phase.sin());
-            *size = size.max(weight * v.norm());
-        }
-    }
-    let mut rates = vec![0.0; n];
-    let mut nonlinear = |rest: &mut super::rest::AtRest<'_>, by: f64| {
-        let state: Vec<f64> = still
-            .iter()
-            .zip(&direction)
-            .map(|(x, d)| x + by * d)
-            .collect();
-        rest.prepared.rates(0.0, &state, &mut rates);
-        let (mut off, mut size) = (0.0, 0.0);
-        for (row, rate) in matrix.chunks_exact(n).zip(&rates) {
-            let linear: f64 = row.iter().zip(&direction).map(|(a, d)| by * a * d).sum();
-            off += (rate - linear).powi(2);
-            size += linear * linear;
-        }
-        (off / size).sqrt()
-    };
+    let state = rest.equilibrium(p, q)?;
     rest.set(p, q);
-    let mut by = 1e-9;
-    while nonlinear(rest, by) < PUSH {
-        by *= 2.0;
-        if by > 1e9 {
-            // As good as linear.
-            return None;
-        }
-    }
-    by *= 0.5;
-    let state = still
-        .iter()
-        .zip(&direction)
-        .map(|(x, d)| x + by * d)
-        .collect();
-    let largest = scale.iter().copied().fold(0.0, f64::max);
-    let scale = scale
-        .iter()
-        .map(|size| by * size.max(1e-9 * largest))
-        .collect();
-    let turn = std::f64::consts::TAU / first.im;
-    let short = (DECAYS / first.re.abs()).min(TURNS * turn);
-    let long = (LEFT.ln() / first.re).min(MOST_TURNS * turn);
-    Some(Push {
-        state,
-        rest: still,
-        scale,
-        growth: first.re,
-        duration: short.max(long),
-    })
-}
-
-/// A number in [0, 1) (S. Vigna's splitmix64).
-fn uniform(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    let still = Still {
+        state: &state,
+        matrix: &matrix,
+        creeping: false,
+    };
+    let found = push(&still, PUSH, random, |state, rates| {
+        rest.prepared.rates(0.0, state, rates);
+    })?;
+    let turn = std::f64::consts::TAU / found.leading.im;
+    let short = (DECAYS / found.leading.re.abs()).min(TURNS * turn);
+    let long = (LEFT.ln() / found.leading.re).min(MOST_TURNS * turn);
+    Some((found, short.max(long)))
 }

@@ -18,6 +18,8 @@ pub enum Follows {
     Diagram,
     /// A rectangle of two parameters, divided by what is stable.
     Region,
+    /// Motions in time from several starts: no branch at all, but what branches say is stable is what they come to.
+    Motions,
 }
 
 impl Follows {
@@ -29,11 +31,12 @@ impl Follows {
             Self::Curve => "curve",
             Self::Diagram => "diagram",
             Self::Region => "region",
+            Self::Motions => "simulate",
         }
     }
 }
 
-/// A task of kind `branch`, `curve`, `diagram` or `region`.
+/// A task of kind `branch`, `curve`, `diagram`, `region` or `simulate`.
 #[derive(Debug, Clone)]
 pub struct ContinuationTask {
     /// What is followed.
@@ -70,8 +73,75 @@ pub struct ContinuationTask {
     pub longest_period: Option<Amount>,
     /// The period of the forcing, where the equations depend on time.
     pub period: Option<Amount>,
+    /// simulate: what is let go, and where.
+    pub motions: MotionsAsked,
     /// Where the task is declared.
     pub span: Span,
+}
+
+impl ContinuationTask {
+    /// A task that asks for nothing yet, with what holds unless the study says otherwise.
+    pub(crate) fn new(follows: Follows, span: Span) -> Self {
+        Self {
+            follows,
+            configuration: None,
+            parameters: Vec::new(),
+            ranges: IndexMap::new(),
+            start: BranchStart::Equilibrium,
+            more: Vec::new(),
+            at: Vec::new(),
+            measures: IndexMap::new(),
+            oscillations: IndexMap::new(),
+            cycles: false,
+            search: IndexMap::new(),
+            correction: Correction::PseudoArclength,
+            depth: 2,
+            points: 400,
+            tolerance: 1e-8,
+            longest_period: None,
+            period: None,
+            motions: MotionsAsked::default(),
+            span,
+        }
+    }
+
+    /// Names of the tasks above that must be solved before.
+    pub(crate) fn before(&self) -> impl Iterator<Item = &str> {
+        let starts = std::iter::once(&self.start).chain(&self.more);
+        let labels = starts.filter_map(|start| match start {
+            BranchStart::Label { task, .. } => Some(task.as_str()),
+            _ => None,
+        });
+        labels.chain(self.motions.of.as_deref())
+    }
+}
+
+/// Motions in time.
+#[derive(Debug, Clone, Default)]
+pub struct MotionsAsked {
+    /// The task above whose stable solutions the motions are compared with.
+    pub of: Option<String>,
+    /// Values of the parameters at which motions are let go.
+    pub places: Vec<Vec<Amount>>,
+    /// Where each begins.
+    pub starts: MotionStarts,
+    /// For how long a motion is watched at most.
+    pub duration: Option<Amount>,
+}
+
+/// Where motions begin.
+#[derive(Debug, Clone)]
+pub enum MotionStarts {
+    /// So many pushes from the equilibrium, from small to large.
+    Pushed(usize),
+    /// At values of coordinates, rates and states; what is not named is at rest.
+    Stated(Vec<(IndexMap<String, Amount>, Span)>),
+}
+
+impl Default for MotionStarts {
+    fn default() -> Self {
+        Self::Pushed(4)
+    }
 }
 
 /// The range of a free parameter.

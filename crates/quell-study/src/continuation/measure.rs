@@ -8,6 +8,7 @@ use quell_document::Fault;
 use quell_expression::{
     BinaryOperator, Dimension, Expression, ExpressionError, Node, Quantity, Scope,
 };
+use quell_response::transient::Record;
 
 use super::ask::Measure;
 use super::field::Field;
@@ -333,6 +334,25 @@ pub(super) fn on_cycle(
                 Reading::Minimum(signal) => -scan.largest(signal, -1.0),
                 Reading::Mean(signal) => scan.mean(signal, |value| value),
                 Reading::Rms(signal) => scan.mean(signal, |value| value * value).sqrt(),
+            })
+        })
+        .collect()
+}
+
+/// Values of measures over the window of a record of a run in time, SI.
+pub(super) fn in_time(
+    measures: &[Compiled],
+    record: &mut Record<'_>,
+    parameters: &[(String, Quantity)],
+) -> Vec<f64> {
+    measures
+        .iter()
+        .map(|measure| {
+            measure.combined(parameters, |reading| match reading {
+                Reading::Maximum(signal) => record.maximum(signal).value,
+                Reading::Minimum(signal) => record.minimum(signal).value,
+                Reading::Mean(signal) => record.mean(signal),
+                Reading::Rms(signal) => record.rms(signal),
             })
         })
         .collect()

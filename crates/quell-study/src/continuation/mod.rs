@@ -1,4 +1,5 @@
-//! Branches of equilibria and cycles, curves of their special points, diagrams, regions: the tasks `branch`, `curve`, `diagram`, `region`.
+//! Branches of equilibria and cycles, curves of their special points, diagrams, regions, and motions in time that check them: the tasks
+//! `branch`, `curve`, `diagram`, `region`, `simulate`.
 
 mod ask;
 mod field;
@@ -6,6 +7,7 @@ mod follower;
 mod forcing;
 mod measure;
 mod model;
+mod motions;
 mod moving;
 mod outcome;
 mod record;
@@ -16,16 +18,21 @@ mod solve;
 mod solved;
 mod watch;
 
-pub use ask::{BranchStart, ContinuationTask, Follows, Measure, ParameterRange};
+pub use ask::{
+    BranchStart, ContinuationTask, Follows, Measure, MotionStarts, MotionsAsked, ParameterRange,
+};
 pub(crate) use field::{Assignment, Field};
+pub use motions::{
+    MotionCount, MotionEnd, MotionFindings, MotionOutcome, PlaceOutcome, StableOutcome,
+};
 pub(crate) use moving::{Entry, Moving};
 pub use outcome::{
     BranchOutcome, BranchPoint, ContinuationFindings, FreeParameter, MeasureHead, SpecialPoint,
 };
 pub(crate) use record::record;
 pub use record::{
-    AtResult, AttractorResult, BranchResult, CellResult, ContinuationResult, RegionResult,
-    SpecialResult, StopResult,
+    AtResult, AttractorResult, BranchResult, CellResult, ContinuationResult, MotionResult,
+    MotionsResult, PlaceResult, RegionResult, SpecialResult, StableResult, StopResult,
 };
 pub use region::{AttractorOutcome, CellOutcome, RegionFindings};
 pub(crate) use solve::{Company, solve};
@@ -73,6 +80,16 @@ pub(crate) fn check(
         .map(|(name, _)| name.as_str())
         .collect();
     let states = model.states().len();
+    if task.follows == Follows::Motions {
+        let number = motions::check(study, situation, &whole, &model)?;
+        let compared = match &task.motions.of {
+            Some(of) => format!(", and compares where they end with `{of}`"),
+            None => String::new(),
+        };
+        return Ok(format!(
+            "lets {number} motions go ({states} states){compared}"
+        ));
+    }
     if task.follows == Follows::Region {
         return Ok(format!(
             "divides the plane of {} by what is stable ({states} states)",
@@ -89,10 +106,10 @@ pub(crate) fn check(
 /// A task with what it takes from those that it starts at: configuration and ranges.
 fn inherited(study: &Study, task: &ContinuationTask) -> ContinuationTask {
     let mut whole = task.clone();
-    let mut next = task.start.clone();
-    // A start names a task above, so this ends.
-    while let BranchStart::Label { task, .. } = &next {
-        let Some(before) = study.continuation(task) else {
+    let mut next = task;
+    // They are tasks above, so this ends.
+    while let Some(before) = next.before().next() {
+        let Some(before) = study.continuation(before) else {
             break;
         };
         if whole.configuration.is_none() {
@@ -103,7 +120,7 @@ fn inherited(study: &Study, task: &ContinuationTask) -> ContinuationTask {
                 whole.ranges.insert(name.clone(), range.clone());
             }
         }
-        next = before.start.clone();
+        next = before;
     }
     whole
 }

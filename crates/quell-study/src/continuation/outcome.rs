@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::ask::Follows;
 use crate::outcome::BuiltDevice;
 
-/// What a task of kind `branch`, `curve` or `diagram` found.
+/// What a task that follows branches, or lets motions go, found.
 #[derive(Debug, Clone)]
 pub struct ContinuationFindings {
     /// What was followed.
@@ -26,6 +26,8 @@ pub struct ContinuationFindings {
     pub branches: Vec<BranchOutcome>,
     /// The parts of the rectangle of a region.
     pub regions: Option<super::RegionFindings>,
+    /// Motions let go from several starts.
+    pub motions: Option<super::MotionFindings>,
     /// What could not be followed, and why.
     pub notes: Vec<String>,
 }
@@ -185,6 +187,17 @@ impl ContinuationFindings {
         text
     }
 
+    /// The largest of each measure by its absolute value over all branches, SI: beside it smaller ones may be rounding.
+    #[must_use]
+    pub fn largest(&self) -> Vec<f64> {
+        let branches = self.branches.iter();
+        let points = branches.flat_map(|branch| {
+            let special = branch.special.iter().map(|one| &one.point);
+            branch.points.iter().chain(&branch.at).chain(special)
+        });
+        largest(points.map(|point| &point.measures))
+    }
+
     /// The name of the oscillation that a point is, where it is one and there are names.
     #[must_use]
     pub fn oscillation(&self, point: &BranchPoint) -> Option<&str> {
@@ -192,15 +205,35 @@ impl ContinuationFindings {
         Some(name)
     }
 
-    /// The files of all branches, and of the cells of a region: name and text.
+    /// The files of all branches, of the cells of a region and of motions: name and text.
     pub fn files(&self) -> impl Iterator<Item = (&str, String)> {
         let cells = self.regions.iter().map(|regions| {
             let names = self.parameters.iter().map(|one| one.name.as_str());
             (regions.file.as_str(), regions.csv(names))
         });
+        let motions = self.motions.iter().map(|motions| {
+            let parameters = self.parameters.iter().map(|one| one.name.as_str());
+            let measures = self.measures.iter().map(|one| one.name.as_str());
+            (motions.file.as_str(), motions.csv(parameters, measures))
+        });
         self.branches
             .iter()
             .map(|branch| (branch.file.as_str(), self.csv(branch)))
             .chain(cells)
+            .chain(motions)
     }
+}
+
+/// The largest of each column by its absolute value.
+pub(super) fn largest<'m>(rows: impl Iterator<Item = &'m Vec<f64>>) -> Vec<f64> {
+    let mut found: Vec<f64> = Vec::new();
+    for row in rows {
+        found.resize(found.len().max(row.len()), 0.0);
+        for (most, value) in found.iter_mut().zip(row) {
+            if value.is_finite() {
+                *most = most.max(value.abs());
+            }
+        }
+    }
+    found
 }

@@ -1,8 +1,9 @@
-//! Branches, curves, diagrams and regions in `results.json`.
+//! Branches, curves, diagrams, regions and motions in `results.json`.
 
 use indexmap::IndexMap;
 use serde::Serialize;
 
+use super::motions::{MotionFindings, PlaceOutcome};
 use super::outcome::{BranchOutcome, BranchPoint, ContinuationFindings, SpecialPoint};
 use super::region::{AttractorOutcome, CellOutcome};
 
@@ -18,9 +19,77 @@ pub struct ContinuationResult {
     /// region: the parts of the rectangle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub regions: Option<Box<RegionResult>>,
+    /// simulate: motions from several starts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motions: Option<Box<MotionsResult>>,
     /// What could not be followed, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
+}
+
+/// Motions let go from several starts.
+#[derive(Debug, Clone, Serialize)]
+pub struct MotionsResult {
+    /// The task whose stable solutions they are compared with.
+    pub of: Option<String>,
+    /// How many motions there are.
+    pub count: usize,
+    /// How many ended on a solution that the other task says is stable.
+    pub agree: usize,
+    /// How many ended on another.
+    pub elsewhere: usize,
+    /// How many had not settled, or broke off.
+    pub open: usize,
+    /// The file of their measures over time, beside `results.json`.
+    pub file: String,
+    /// By values of the parameters.
+    pub at: Vec<PlaceResult>,
+}
+
+/// Motions at one set of values of the parameters.
+#[derive(Debug, Clone, Serialize)]
+pub struct PlaceResult {
+    /// Values of the parameters, SI.
+    pub parameters: IndexMap<String, f64>,
+    /// What the other task says is stable here.
+    pub stable: Vec<StableResult>,
+    /// One for each start.
+    pub motions: Vec<MotionResult>,
+}
+
+/// A solution that the other task says is stable.
+#[derive(Debug, Clone, Serialize)]
+pub struct StableResult {
+    /// The branch, or the cell of a region.
+    pub on: String,
+    /// What it is; of a cell at the point in which the cell was looked at.
+    #[serde(flatten)]
+    pub solution: AttractorResult,
+    /// How many motions ended there.
+    pub reached: usize,
+}
+
+/// A motion.
+#[derive(Debug, Clone, Serialize)]
+pub struct MotionResult {
+    /// Where it began.
+    pub start: String,
+    /// What it came to: `equilibrium`, `cycle`, `open` (still changing) or `failed`.
+    pub end: &'static str,
+    /// Why it is open or failed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub why: Option<String>,
+    /// The branch or cell that says so; null where none does.
+    pub on: Option<String>,
+    /// How long it was watched, s.
+    pub duration_s: f64,
+    /// The name of the oscillation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub oscillation: Option<String>,
+    /// Period of a cycle, s.
+    pub period_s: Option<f64>,
+    /// By name, SI; of an open motion over its last stretch.
+    pub measures: IndexMap<String, f64>,
 }
 
 /// A rectangle of two parameters, divided by what is stable in its parts.
@@ -165,17 +234,79 @@ pub(crate) fn record(
                 checks: regions.checks.clone(),
             })
         }),
+        motions: found
+            .motions
+            .as_ref()
+            .map(|own| Box::new(motions(found, own))),
         notes: found.notes.clone(),
     }
 }
 
-fn cell(found: &ContinuationFindings, one: &CellOutcome) -> CellResult {
-    let attractor = |one: &AttractorOutcome| AttractorResult {
-        of: one.of,
-        oscillation: found.oscillation(&one.point).map(str::to_owned),
-        period_s: one.point.period,
-        measures: measures(found, &one.point),
+fn motions(found: &ContinuationFindings, own: &MotionFindings) -> MotionsResult {
+    let count = own.count();
+    let name = |place: &PlaceOutcome, on: usize| place.stable.get(on).map(|one| one.on.clone());
+    let place = |place: &PlaceOutcome| PlaceResult {
+        parameters: found
+            .parameters
+            .iter()
+            .map(|one| one.name.clone())
+            .zip(place.parameters.iter().copied())
+            .collect(),
+        stable: place
+            .stable
+            .iter()
+            .enumerate()
+            .map(|(index, one)| StableResult {
+                on: one.on.clone(),
+                solution: attractor(found, one.of, &one.point),
+                reached: place
+                    .motions
+                    .iter()
+                    .filter(|motion| motion.on == Some(index))
+                    .count(),
+            })
+            .collect(),
+        motions: place
+            .motions
+            .iter()
+            .map(|motion| MotionResult {
+                start: motion.start.clone(),
+                end: motion.end.code(),
+                why: motion.end.why().map(str::to_owned),
+                on: motion.on.and_then(|on| name(place, on)),
+                duration_s: motion.duration,
+                oscillation: found.oscillation(&motion.point).map(str::to_owned),
+                period_s: motion.point.period,
+                measures: measures(found, &motion.point),
+            })
+            .collect(),
     };
+    MotionsResult {
+        of: own.of.clone(),
+        count: count.all,
+        agree: count.agree,
+        elsewhere: count.elsewhere,
+        open: count.open,
+        file: own.file.clone(),
+        at: own.places.iter().map(place).collect(),
+    }
+}
+
+fn attractor(
+    found: &ContinuationFindings,
+    of: &'static str,
+    point: &BranchPoint,
+) -> AttractorResult {
+    AttractorResult {
+        of,
+        oscillation: found.oscillation(point).map(str::to_owned),
+        period_s: point.period,
+        measures: measures(found, point),
+    }
+}
+
+fn cell(found: &ContinuationFindings, one: &CellOutcome) -> CellResult {
+    let attractor = |one: &AttractorOutcome| attractor(found, one.of, &one.point);
     let names = found.parameters.iter().map(|one| one.name.clone());
     CellResult {
         name: one.name.clone(),

@@ -298,8 +298,8 @@ fn checks(model: &Model, found: &quell_continuation::Region) -> Vec<String> {
             name(1)
         ),
         format!(
-            "what is stable was looked at in one point of each cell, by {} diagrams along both parameters through these points: solutions that no branch of them reaches are not seen, so this is tested and not proven",
-            found.diagrams
+            "what is stable was looked at in one point of each cell, by {} diagrams along both parameters through these points, and by following what is stable in a cell into its neighbours ({} ways): solutions that no such branch reaches are not seen, so this is tested and not proven",
+            found.diagrams, found.ways
         ),
     ];
     let from = |kind: Kind| {

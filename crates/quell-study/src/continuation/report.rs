@@ -25,7 +25,7 @@ pub(super) struct Reporter<'a> {
 
 impl Reporter<'_> {
     /// Number of free parameters that are shown.
-    fn shown(&self) -> usize {
+    pub(super) fn shown(&self) -> usize {
         self.task.parameters.len()
     }
 
@@ -71,6 +71,7 @@ impl Reporter<'_> {
                 .collect(),
             branches: members.iter().map(|member| self.branch(member)).collect(),
             regions: None,
+            motions: None,
             notes,
         }
     }
@@ -116,24 +117,27 @@ impl Reporter<'_> {
     pub(super) fn point<S: Solution>(&self, solution: &S, unstable: usize) -> BranchPoint {
         let free = solution.parameters();
         let parameters = self.model.parameters(free);
-        let mut measures = solution.measured(self, &parameters);
-        let naming = measures.split_off(self.model.shown.min(measures.len()));
-        let largest = naming
-            .iter()
-            .enumerate()
-            .filter(|(_, value)| value.is_finite())
-            .max_by(|a, b| a.1.total_cmp(b.1));
+        let (measures, largest) = self.named(solution.measured(self, &parameters));
         BranchPoint {
             parameters: free.iter().take(self.shown()).copied().collect(),
             period: solution.period(),
             omega: solution.omega(),
             unstable,
             measures,
-            oscillation: largest
-                .map(|(index, _)| index)
-                .filter(|_| solution.period().is_some()),
+            oscillation: largest.filter(|_| solution.period().is_some()),
             state: solution.state().to_vec(),
         }
+    }
+
+    /// The measures that are shown, and which of those by which oscillations are named is the largest.
+    pub(super) fn named(&self, mut measures: Vec<f64>) -> (Vec<f64>, Option<usize>) {
+        let naming = measures.split_off(self.model.shown.min(measures.len()));
+        let largest = naming
+            .iter()
+            .enumerate()
+            .filter(|(_, value)| value.is_finite())
+            .max_by(|a, b| a.1.total_cmp(b.1));
+        (measures, largest.map(|(index, _)| index))
     }
 
     fn special<S: Solution>(&self, one: &Special<S>) -> SpecialPoint {

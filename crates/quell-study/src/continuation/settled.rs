@@ -38,6 +38,8 @@ impl Settled {
 const SAMPLES: usize = 400;
 /// A return to within this share of the swing closes a cycle.
 const CLOSED: f64 = 0.02;
+/// Phases at which two turns are compared.
+const PHASES: u32 = 16;
 /// Longest cycle that is looked for, in turns of the state that swings most, or in periods of the forcing.
 const TURNS: usize = 8;
 
@@ -100,17 +102,11 @@ pub(super) fn samples(
             "the run `{name}` did not last to its end, so it ends on no cycle"
         )));
     }
-    let angles = model.angles();
-    let turn = match model.forcing_period(&base) {
-        Some(period) => Some(period),
-        None => revolution(&trajectory, &angles).or_else(|| turn(&trajectory)),
-    };
-    let closed = turn.and_then(|turn| closed(&trajectory, turn, &angles));
     let Some(Cycle {
         period,
         turns,
         winding,
-    }) = closed
+    }) = cycle(&trajectory, model.forcing_period(&base), &model.angles())
     else {
         return Err(fault(format!("the run `{name}` does not end on a cycle"))
             .help("let it last longer, or start it nearer to the cycle; near an equilibrium use `start = \"equilibrium\"`"));
@@ -206,8 +202,63 @@ fn revolution(trajectory: &Trajectory, angles: &[bool]) -> Option<f64> {
         .min_by(f64::total_cmp)
 }
 
+/// The cycle on which a trajectory ends; `forcing` is the period of what forces it.
+fn cycle(trajectory: &Trajectory, forcing: Option<f64>, angles: &[bool]) -> Option<Cycle> {
+    let turn = forcing
+        .or_else(|| revolution(trajectory, angles))
+        .or_else(|| turn(trajectory))?;
+    closed(trajectory, turn, angles)
+}
+
+/// What a motion comes back to.
+pub(super) struct Return {
+    /// The period of the cycle, s, where there is one.
+    pub(super) period: Option<f64>,
+    /// Turns, or periods of what forces it, in that.
+    pub(super) turns: usize,
+    /// Largest distance of the last turn from the one before, relative to the swings of the states.
+    pub(super) gap: f64,
+}
+
+/// How a trajectory comes back to itself at its end; `forcing` is the period of what forces it.
+pub(super) fn returns(
+    trajectory: &Trajectory,
+    forcing: Option<f64>,
+    angles: &[bool],
+) -> Option<Return> {
+    let turn = forcing
+        .or_else(|| revolution(trajectory, angles))
+        .or_else(|| turn(trajectory))?;
+    let end = trajectory.to();
+    let at = |index: u32| end - turn * f64::from(index) / f64::from(PHASES);
+    let swings: Vec<Vec<f64>> = (0..PHASES).map(|k| trajectory.state(at(k))).collect();
+    let gaps = swings.iter().zip(0..).flat_map(|(now, k)| {
+        let before = trajectory.state(at(k + PHASES));
+        let swings = &swings;
+        (0..now.len()).map(move |index| {
+            let (low, high) = swing(swings, index);
+            let off = match (now.get(index), before.get(index)) {
+                (Some(a), Some(b)) if angles.get(index).copied().unwrap_or(false) => {
+                    (a - b) - ((a - b) / TAU).round() * TAU
+                }
+                (Some(a), Some(b)) => a - b,
+                _ => 0.0,
+            };
+            off.abs() / (high - low).max(1e-9 * (high.abs() + low.abs()))
+        })
+    });
+    let gap = gaps.filter(|gap| gap.is_finite()).fold(0.0, f64::max);
+    let found = closed(trajectory, turn, angles);
+    Some(Return {
+        turns: found.as_ref().map_or(0, |cycle| cycle.turns),
+        period: found.map(|cycle| cycle.period),
+        gap,
+    })
+}
+
 /// A motion that is where it was.
 struct Cycle {
+    /// s.
     period: f64,
     /// How many turns, or periods of the forcing, it takes.
     turns: usize,

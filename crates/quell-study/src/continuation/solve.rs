@@ -70,7 +70,8 @@ pub(super) fn model(
         (&task.measures, &task.oscillations),
         task.period.as_ref(),
     )?;
-    if model.forced() && matches!(task.start, BranchStart::Equilibrium) {
+    let rests = matches!(task.start, BranchStart::Equilibrium) && task.follows != Follows::Motions;
+    if model.forced() && rests {
         return Err(Fault::at(
             &study.source,
             task.span,
@@ -170,6 +171,17 @@ pub(crate) fn solve(
 ) -> Result<Solved, Fault> {
     let first = before.first().map(Arc::as_ref);
     let (model, spec, wanted) = self::model(study, situation, task, first)?;
+    if task.follows == Follows::Motions {
+        let findings =
+            super::motions::followed(study, situation, name, task, &model, first, company)?;
+        return Ok(Solved {
+            model,
+            spec,
+            wanted,
+            members: Vec::new(),
+            findings,
+        });
+    }
     let mut settings = settings(situation, task, &model, company.watcher)?;
     settings.interrupt.clone_from(&company.interrupt);
     let (members, findings) = followed(

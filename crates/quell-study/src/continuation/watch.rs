@@ -16,6 +16,8 @@ struct Seen {
     points: AtomicUsize,
     parameter: AtomicU64,
     measuring: AtomicBool,
+    motions: AtomicUsize,
+    all_motions: AtomicUsize,
 }
 
 impl Watcher {
@@ -40,12 +42,27 @@ impl Watcher {
         })
     }
 
+    /// So many motions will be let go.
+    pub(super) fn let_go(&self, motions: usize) {
+        self.seen.all_motions.store(motions, Ordering::Relaxed);
+    }
+
+    /// One of them has been watched to its end.
+    pub(super) fn watched(&self) {
+        self.seen.motions.fetch_add(1, Ordering::Relaxed);
+    }
+
     pub(super) fn measuring(&self) {
         self.seen.measuring.store(true, Ordering::Relaxed);
     }
 
     /// Solutions so far, and where the last one is.
     pub(crate) fn words(&self, parameter: &str) -> String {
+        let all = self.seen.all_motions.load(Ordering::Relaxed);
+        if all > 0 {
+            let done = self.seen.motions.load(Ordering::Relaxed);
+            return format!("{done} of {all} motions");
+        }
         let points = self.seen.points.load(Ordering::Relaxed);
         if self.seen.measuring.load(Ordering::Relaxed) {
             return format!("{points} solutions, measuring");

@@ -1,4 +1,4 @@
-//! Tasks of kind `branch`, `curve`, `diagram` and `region` as typed.
+//! Tasks of kind `branch`, `curve`, `diagram` and `region` as typed; of kind `simulate` see `simulate`.
 
 use indexmap::IndexMap;
 use quell_continuation::Correction;
@@ -13,18 +13,21 @@ use crate::keys;
 use crate::study::{ConfigurationSpec, Run, Study, Task, TaskKind};
 
 /// The keys of tasks that follow branches; those of one kind alone with that kind.
-const KEYS: [(&str, &[Follows]); 17] = {
-    use Follows::{Branch, Curve, Diagram, Region};
+const KEYS: [(&str, &[Follows]); 19] = {
+    use Follows::{Branch, Curve, Diagram, Motions, Region};
     const ALL: &[Follows] = &[Branch, Curve, Diagram, Region];
+    const WITH_MOTIONS: &[Follows] = &[Branch, Curve, Diagram, Region, Motions];
     [
-        ("configuration", ALL),
-        ("parameter", &[Branch, Diagram]),
-        ("parameters", &[Curve, Region]),
-        ("ranges", ALL),
+        ("configuration", WITH_MOTIONS),
+        ("parameter", &[Branch, Diagram, Motions]),
+        ("parameters", &[Curve, Region, Motions]),
+        ("ranges", WITH_MOTIONS),
         ("start", &[Branch, Curve]),
-        ("at", &[Branch, Curve, Diagram]),
-        ("measures", ALL),
-        ("oscillations", ALL),
+        ("at", &[Branch, Curve, Diagram, Motions]),
+        ("measures", WITH_MOTIONS),
+        ("oscillations", WITH_MOTIONS),
+        ("of", &[Motions]),
+        ("duration", &[Motions]),
         ("cycles", &[Branch]),
         ("depth", &[Diagram]),
         ("search", &[Diagram]),
@@ -32,13 +35,13 @@ const KEYS: [(&str, &[Follows]); 17] = {
         ("points", ALL),
         ("mesh_tolerance", ALL),
         ("longest_period", ALL),
-        ("period", &[Branch, Curve, Diagram]),
+        ("period", &[Branch, Curve, Diagram, Motions]),
         ("sweep", &[Branch, Diagram]),
     ]
 };
 
-/// The kinds of task that follow branches.
-pub(super) const KINDS: [&str; 4] = ["branch", "curve", "diagram", "region"];
+/// The kinds of task that follow branches, or check them.
+pub(super) const KINDS: [&str; 5] = ["branch", "curve", "diagram", "region", "simulate"];
 
 /// Whether a study asks for nothing but branches.
 pub(super) fn alone(root: &Table<'_>) -> bool {
@@ -79,6 +82,7 @@ pub(super) fn task(
     above: &[Task],
 ) -> Result<ContinuationTask, Fault> {
     let follows = match kind {
+        "simulate" => return super::simulate::task(table, study, above),
         "curve" => Follows::Curve,
         "diagram" => Follows::Diagram,
         "region" => Follows::Region,
@@ -132,8 +136,8 @@ pub(super) fn task(
             .map(|value| Amount::read(&value, source))
             .transpose()
     };
+    let usual = ContinuationTask::new(follows, table.require("name")?.span());
     Ok(ContinuationTask {
-        follows,
         configuration,
         parameters,
         ranges,
@@ -157,12 +161,12 @@ pub(super) fn task(
             None => IndexMap::new(),
         },
         correction: correction(table)?,
-        depth: count(table, "depth", 2, 1..=10)?,
-        points: count(table, "points", 400, 2..=MOST_POINTS)?,
-        tolerance: tolerance(table)?,
+        depth: count(table, "depth", usual.depth, 1..=10)?,
+        points: count(table, "points", usual.points, 2..=MOST_POINTS)?,
+        tolerance: tolerance(table, usual.tolerance)?,
         longest_period: amount("longest_period")?,
         period: amount("period")?,
-        span: table.require("name")?.span(),
+        ..usual
     })
 }
 
@@ -228,9 +232,9 @@ fn range(value: &Value<'_>, study: &Study, example: &str) -> Result<ParameterRan
     })
 }
 
-fn tolerance(table: &Table<'_>) -> Result<f64, Fault> {
+fn tolerance(table: &Table<'_>, usual: f64) -> Result<f64, Fault> {
     let Some(value) = table.get("mesh_tolerance") else {
-        return Ok(1e-8);
+        return Ok(usual);
     };
     let tolerance = value.as_f64()?;
     if (1e-12..=1e-2).contains(&tolerance) {
@@ -268,31 +272,37 @@ fn parameters(
             })
             .help(EXAMPLE)
     })?;
-    match value
-        .as_array()
-        .map_err(|fault| fault.help(EXAMPLE))?
-        .as_slice()
-    {
-        [first, second] => {
-            let both = vec![named(first)?, named(second)?];
-            if both[0].0 == both[1].0 {
-                return Err(second
-                    .fault(format!("`{}` is named twice", both[0].0))
-                    .help(EXAMPLE));
-            }
-            Ok(both)
-        }
-        _ => Err(value
-            .fault(if follows == Follows::Curve {
-                "a curve runs in two parameters"
-            } else {
-                "a region is of two parameters"
-            })
-            .help(EXAMPLE)),
-    }
+    two_parameters(
+        &value,
+        if follows == Follows::Curve {
+            "a curve runs in two parameters"
+        } else {
+            "a region is of two parameters"
+        },
+    )
 }
 
-fn ranges(
+/// Two names of parameters; `why` says that there must be two.
+pub(super) fn two_parameters(
+    value: &Value<'_>,
+    why: &str,
+) -> Result<Vec<(String, quell_expression::Span)>, Fault> {
+    const EXAMPLE: &str = "write `parameters = [\"V\", \"c1\"]`";
+    let list = value.as_array().map_err(|fault| fault.help(EXAMPLE))?;
+    let [first, second] = list.as_slice() else {
+        return Err(value.fault(why).help(EXAMPLE));
+    };
+    let name = first.as_str()?;
+    if name == second.as_str()? {
+        return Err(second
+            .fault(format!("`{name}` is named twice"))
+            .help(EXAMPLE));
+    }
+    let named = |value: &Value<'_>| Ok::<_, Fault>((value.as_str()?.to_owned(), value.span()));
+    Ok(vec![named(first)?, named(second)?])
+}
+
+pub(super) fn ranges(
     value: &Value<'_>,
     study: &Study,
     parameters: &[(String, quell_expression::Span)],
@@ -399,7 +409,7 @@ fn start(value: &Value<'_>, study: &Study, above: &[Task]) -> Result<BranchStart
     })
 }
 
-fn configuration(
+pub(super) fn configuration(
     value: &Value<'_>,
     study: &Study,
     above: &[Task],
@@ -431,7 +441,10 @@ fn configuration(
 }
 
 /// Names of oscillations with the measures that are compared.
-fn oscillations(table: &Table<'_>, study: &Study) -> Result<IndexMap<String, Measure>, Fault> {
+pub(super) fn oscillations(
+    table: &Table<'_>,
+    study: &Study,
+) -> Result<IndexMap<String, Measure>, Fault> {
     const EXAMPLE: &str = "write `oscillations = { torsion = \"max(abs(p))\", bending = \"max(abs(d))\" }`: an oscillation is named by the largest";
     let found = measures(table, study, "oscillations", EXAMPLE)?;
     let typed = table.get("oscillations");
@@ -453,7 +466,7 @@ fn oscillations(table: &Table<'_>, study: &Study) -> Result<IndexMap<String, Mea
     Ok(found)
 }
 
-fn measures(
+pub(super) fn measures(
     table: &Table<'_>,
     study: &Study,
     key: &str,

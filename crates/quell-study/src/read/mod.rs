@@ -6,6 +6,7 @@ mod criteria;
 mod devices;
 mod immittance;
 mod objectives;
+mod simulate;
 mod sweep;
 mod tasks;
 mod transient;

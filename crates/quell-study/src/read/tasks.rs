@@ -74,7 +74,9 @@ pub(super) fn tasks(value: &Value<'_>, study: &Study) -> Result<Vec<Task>, Fault
 }
 
 /// The kinds of task.
-pub(crate) const KINDS: [&str; 6] = ["evaluate", "design", "branch", "curve", "diagram", "region"];
+pub(crate) const KINDS: [&str; 7] = [
+    "evaluate", "design", "branch", "curve", "diagram", "region", "simulate",
+];
 
 /// Keys of the other kinds of task.
 fn refuse_strangers(table: &Table<'_>, kind: &str) -> Result<(), Fault> {
@@ -95,13 +97,18 @@ fn refuse_strangers(table: &Table<'_>, kind: &str) -> Result<(), Fault> {
     ];
     let mut strangers: Vec<&str> = Vec::new();
     if kind != "design" {
-        strangers.extend(DESIGN);
+        // Motions have starts too.
+        strangers.extend(
+            DESIGN
+                .iter()
+                .filter(|key| !(kind == "simulate" && **key == "starts")),
+        );
     }
     if kind != "evaluate" {
         strangers.push("configurations");
     }
     strangers.extend(continuation::own_keys().filter(|key| !continuation::takes(kind, key)));
-    if matches!(kind, "curve" | "region") {
+    if matches!(kind, "curve" | "region" | "simulate") {
         strangers.push("sweep");
     }
     for key in strangers {

@@ -10,7 +10,7 @@ use quell_continuation::Keeper;
 
 use super::recorder::Recorder;
 use super::{RunError, Runner};
-use crate::continuation::{self, BranchStart, ContinuationTask, Watcher};
+use crate::continuation::{self, ContinuationTask, Watcher};
 use crate::outcome::{Findings, Plot, PointOutcome};
 use crate::situation::{self, Situation};
 use crate::store::{Key, KeyBuilder};
@@ -51,12 +51,10 @@ impl Runner<'_> {
         if let Some(known) = known().filter(|_| kept) {
             return Ok(known);
         }
-        // A start names a task above, so this ends.
+        // They are tasks above, so this ends.
         let mut before = Vec::new();
-        for start in std::iter::once(&asked.start).chain(&asked.more) {
-            if let BranchStart::Label { task, .. } = start
-                && let Some(own) = self.study.continuation(task)
-            {
+        for task in asked.before() {
+            if let Some(own) = self.study.continuation(task) {
                 let standing = situation::build(&self.study.host, &self.study.overrides, &[])?;
                 before.push(self.solve(&standing, task, own, true)?);
             }
