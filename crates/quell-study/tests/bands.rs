@@ -6,28 +6,15 @@
     reason = "a failed test ends by panic"
 )]
 
-use std::path::{Path, PathBuf};
+mod support;
 
 use quell_document::Source;
+use quell_study::Study;
 use quell_study::results::{ConfigurationResult, Results, TaskBody, TaskFindings};
-use quell_study::{RunSettings, Silent, Study};
-
-fn gallery(name: &str) -> Study {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../studies")
-        .join(name);
-    Study::read(&path).unwrap_or_else(|fault| panic!("{}", fault.render()))
-}
+use support::gallery;
 
 fn run(study: &Study, tasks: &[&str]) -> Results {
-    let settings = RunSettings {
-        seed: 1,
-        threads: Some(2),
-        tasks: tasks.iter().map(|task| (*task).to_owned()).collect(),
-    };
-    quell_study::run(study, &settings, &Silent)
-        .unwrap_or_else(|error| panic!("{error}"))
-        .results
+    support::run(study, 2, tasks)
 }
 
 fn configuration<'a>(results: &'a Results, task: &str) -> &'a ConfigurationResult {
@@ -142,6 +129,47 @@ fn stable_cycles_end_a_band() {
     };
     let speed = configurations["section"].criteria["free"];
     assert!((speed / 20.0 - 1.0).abs() < 1e-6, "{speed} at {damping}");
+}
+
+/// r' = r (p - h(q) + 2 c(q) r² - r⁴), θ' = 1: rest is stable below p = h(q), and below the fold p = h(q) - c(q)² alone. With h = cosh q - 1,
+/// c = 1 + 0.3 q the fold's curve is lowest where sinh q = 0.6 (1 + 0.3 q). Tolerance: cycles are meshed to 1e-8, and the extremum of
+/// the curve is found to the third order of a hundredth of a step.
+#[test]
+fn a_band_ends_at_the_extremum_of_a_curve_of_folds_of_cycles() {
+    let study = support::written(
+        r#"
+quell = 1
+title = "Quiet whatever q is"
+host = "folds.toml"
+
+[criteria.quiet]
+kind = "stable band"
+of = "p"
+range = [-3, 1]
+over = { q = [-1, 1.5] }
+value = "upper"
+
+[[tasks]]
+name = "band"
+kind = "evaluate"
+[tasks.configurations]
+alone = {}
+"#,
+    );
+    let results = run(&study, &["band"]);
+    let TaskBody::Single(TaskFindings::Evaluate { configurations }) = &results.tasks["band"].body
+    else {
+        panic!("no evaluation");
+    };
+    let band = &configurations["alone"].details["quiet"].bands[0];
+    let mut q = 0.5_f64;
+    for _ in 0..50 {
+        q -= (q.sinh() - 0.6 * (1.0 + 0.3 * q)) / (q.cosh() - 0.18);
+    }
+    let p = q.cosh() - 1.0 - (1.0 + 0.3 * q).powi(2);
+    assert!((band.upper - p).abs() < 1e-7, "{band:#?} for {p} at {q}");
+    assert!((band.upper_at.unwrap() - q).abs() < 1e-3, "{band:#?}");
+    assert!(band.limited_by[1].contains("fold of cycles"), "{band:#?}");
 }
 
 /// The same source: bending splits the band at ks = 7.865e5 N m/rad, and it closes at 4.7371e5.

@@ -1,8 +1,8 @@
 //! The second half of a stable band: that no stable cycle exists in it. Tested, never proven: what was done is told in words.
 
 use quell_continuation::{
-    Band, Branch, Edge, Equilibrium, Kind, Limit, Linearisation, Orbit, Settings, Special,
-    cycle_curve, cycles_from_pair, first_lyapunov,
+    Band, Branch, CriticalOrbit, Edge, Equilibrium, Kind, Limit, Linearisation, Orbit, Point,
+    Settings, Special, cycle_curve, cycles_from_pair, first_lyapunov,
 };
 use quell_response::transient::{End, simulate};
 
@@ -239,52 +239,80 @@ impl Look<'_> {
     }
 
     /// The point furthest into the band of the curve of a special point in both parameters.
+    ///
+    /// A first walk along the curve finds it between three points. A second one passes three values of the operating parameter close to
+    /// the top of the parabola through these, and the top of the parabola through what it finds there is the extremum: its error is of the
+    /// third order in their distance.
     fn extreme(&self, special: &Special<Orbit>, inwards: f64) -> Option<(f64, Option<f64>)> {
         let free = self.plan.q.as_ref()?;
         let width = self.band.width();
-        let ranges = [
-            (
-                (self.band.lower.p - width).max(self.plan.p.span.from),
-                (self.band.upper.p + width).min(self.plan.p.span.to),
-            ),
-            (free.span.from, free.span.to),
-        ];
-        let curve = cycle_curve(self.field, special, [0, 1], &Settings::new(&ranges)).ok()?;
-        let points: Vec<(f64, f64)> = curve
-            .points
-            .iter()
-            .filter_map(|point| match point.solution.orbit.parameters.as_slice() {
-                [p, q, ..] => Some((*p, *q)),
-                _ => None,
-            })
-            .collect();
+        let own = (
+            (self.band.lower.p - width).max(self.plan.p.span.from),
+            (self.band.upper.p + width).min(self.plan.p.span.to),
+        );
+        let across = (free.span.from, free.span.to);
+        let curve =
+            cycle_curve(self.field, special, [0, 1], &Settings::new(&[own, across])).ok()?;
+        let points: Vec<[f64; 2]> = curve.points.iter().filter_map(place).collect();
         let best = (0..points.len())
-            .max_by(|a, b| (inwards * points[*a].0).total_cmp(&(inwards * points[*b].0)))?;
-        let (p, q) = *points.get(best)?;
+            .max_by(|a, b| (inwards * points[*a][0]).total_cmp(&(inwards * points[*b][0])))?;
+        let [p, q] = *points.get(best)?;
         // At an end of the range there is no parabola: the curve goes on beyond it.
-        let across = free.span.to - free.span.from;
-        if (q - free.span.from).min(free.span.to - q) <= 1e-7 * across {
-            return Some((p, Some(q)));
-        }
-        // Between the neighbours a parabola through three points.
-        let neighbours = best
+        let near = 1e-7 * (across.1 - across.0);
+        let around = best
             .checked_sub(1)
-            .and_then(|before| Some((points.get(before)?, points.get(best + 1)?)));
-        let Some(((pa, qa), (pb, qb))) = neighbours else {
+            .and_then(|before| Some([*points.get(before)?, [p, q], *points.get(best + 1)?]))
+            .filter(|_| (q - across.0).min(across.1 - q) > near);
+        let Some(around) = around else {
             return Some((p, Some(q)));
         };
-        let (da, db) = (qa - q, qb - q);
-        let (fa, fb) = ((pa - p) / da, (pb - p) / db);
-        let bend = (fa - fb) / (da - db);
-        let slope = fa - bend * da;
-        let shift = -slope / (2.0 * bend);
-        let inside = shift.is_finite() && shift >= da.min(db) && shift <= da.max(db);
-        Some(if inside {
-            (p + 0.5 * slope * shift, Some(q + shift))
-        } else {
-            (p, Some(q))
-        })
+        let Some([p, q]) = top(around) else {
+            return Some((p, Some(q)));
+        };
+        let apart = CLOSE * (around[2][1] - around[0][1]).abs();
+        let mut again = Settings::new(&[across, own]);
+        again.at = [q - apart, q, q + apart]
+            .into_iter()
+            .filter(|q| (across.0..=across.1).contains(q))
+            .collect();
+        let found = cycle_curve(self.field, special, [1, 0], &again).ok();
+        let mut close: Vec<[f64; 2]> = found
+            .iter()
+            .flat_map(|curve| &curve.at)
+            .filter_map(place)
+            .collect();
+        // The curve may pass a value twice; what is meant is near.
+        close.sort_by(|a, b| (a[0] - p).abs().total_cmp(&(b[0] - p).abs()));
+        close.truncate(3);
+        close.sort_by(|a, b| a[1].total_cmp(&b[1]));
+        let [p, q] = <[[f64; 2]; 3]>::try_from(close)
+            .ok()
+            .and_then(top)
+            .unwrap_or([p, q]);
+        Some((p, Some(q)))
     }
+}
+
+/// Distance of the three points of the second walk, relative to that of the first.
+const CLOSE: f64 = 0.01;
+
+/// The band's parameter and the operating one at a point of a curve.
+fn place(point: &Point<CriticalOrbit>) -> Option<[f64; 2]> {
+    match point.solution.orbit.parameters.as_slice() {
+        [p, q, ..] => Some([*p, *q]),
+        _ => None,
+    }
+}
+
+/// The top (or bottom) of the parabola p(q) through three points, where it lies between them.
+fn top([a, [p, q], b]: [[f64; 2]; 3]) -> Option<[f64; 2]> {
+    let (da, db) = (a[1] - q, b[1] - q);
+    let (fa, fb) = ((a[0] - p) / da, (b[0] - p) / db);
+    let bend = (fa - fb) / (da - db);
+    let slope = fa - bend * da;
+    let shift = -slope / (2.0 * bend);
+    let inside = shift.is_finite() && shift >= da.min(db) && shift <= da.max(db);
+    inside.then_some([p + 0.5 * slope * shift, q + shift])
 }
 
 /// Motions let go within a band.
