@@ -223,7 +223,22 @@ impl Manifold for Equilibria<'_> {
                     Complex64::new(v.re, 0.0),
                 ));
                 let q = real(eigenvector(n, &self.jacobian, Complex64::new(v.re, 0.0)));
-                let size = dot(&self.column, &self.column).sqrt();
+                // A branch of a pitchfork is even in the distance from the point where it leaves the other: its parameter has no effect
+                // there at all, and what rounding leaves of it is small beside that nearby only.
+                let mut size = dot(&self.column, &self.column).sqrt();
+                let mut beside = vec![0.0; n];
+                for near in [&found.before.z, &found.after.z] {
+                    self.set(near);
+                    self.problem.parameter_derivative(
+                        0.0,
+                        &near[..n],
+                        &self.parameters,
+                        self.free,
+                        &mut beside,
+                    );
+                    size = size.max(dot(&beside, &beside).sqrt());
+                }
+                self.set(z);
                 let effect = dot(&w, &self.column).abs();
                 let width = self.settings.parameter_scale(0, z[n]);
                 // The parameter moves the equilibrium out of the range of f_x at a fold, not where branches cross.

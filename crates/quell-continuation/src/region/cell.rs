@@ -1,7 +1,7 @@
 //! What is stable at a point of a cell.
 
 use crate::branch::{Branch, Point, Special};
-use crate::diagram::{DiagramSettings, diagram};
+use crate::diagram::{DiagramSettings, Mirrors, diagram};
 use crate::kind::Kind;
 use crate::orbit::Orbit;
 use crate::problem::Problem;
@@ -17,8 +17,8 @@ const SAME: f64 = 1e-3;
 pub(super) struct Looked {
     pub(super) attractors: Vec<Attractor>,
     pub(super) seeds: Vec<Special<Orbit>>,
-    /// Whether mirror images were left out.
-    pub(super) odd: bool,
+    /// Mirror images were left out.
+    pub(super) mirrors: Mirrors,
     pub(super) failed: Vec<(String, ContinuationError)>,
 }
 
@@ -51,7 +51,9 @@ pub(super) fn look(
                 continue;
             }
         };
-        out.odd |= found.odd;
+        if found.mirrored {
+            out.mirrors = found.mirrors.clone();
+        }
         for member in &found.equilibria {
             for point in stable(&member.branch) {
                 out.add(Attractor::Equilibrium(point.solution.clone()));
@@ -88,13 +90,12 @@ impl Looked {
     pub(super) fn add(&mut self, new: Attractor) {
         let known = self.attractors.iter().any(|known| match (known, &new) {
             (Attractor::Equilibrium(known), Attractor::Equilibrium(new)) => {
-                let gap = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-6 * (1.0 + a.abs());
-                let pairs = || known.state.iter().zip(&new.state);
-                pairs().all(gap) || self.odd && pairs().all(|(a, b)| gap((a, &-b)))
+                self.mirrors.images(&new.state).any(|image| {
+                    let mut pairs = known.state.iter().zip(&image);
+                    pairs.all(|(a, b)| (a - b).abs() <= 1e-6 * (1.0 + a.abs()))
+                })
             }
-            (Attractor::Cycle(known), Attractor::Cycle(new)) => {
-                same(known, new) || self.odd && mirrored(known, new)
-            }
+            (Attractor::Cycle(known), Attractor::Cycle(new)) => same(known, new, &self.mirrors),
             _ => false,
         });
         if !known {
@@ -103,24 +104,19 @@ impl Looked {
     }
 }
 
-/// Whether two orbits at the same parameters are one.
-fn same(a: &Orbit, b: &Orbit) -> bool {
-    alike(a, b, |(low, high)| (low, high))
-}
-
-/// Whether one is the mirror image of the other.
-fn mirrored(a: &Orbit, b: &Orbit) -> bool {
-    alike(a, b, |(low, high)| (-high, -low))
-}
-
-/// Whether periods and ranges agree, those of the second seen in a mirror or not.
-fn alike(a: &Orbit, b: &Orbit, seen: impl Fn((f64, f64)) -> (f64, f64)) -> bool {
+/// Whether two orbits at the same parameters are one, or mirror images.
+fn same(a: &Orbit, b: &Orbit, mirrors: &Mirrors) -> bool {
     if (a.period / b.period - 1.0).abs() > SAME {
         return false;
     }
-    (0..a.dimension).all(|i| {
-        let ((low, high), (other, top)) = (a.range(i), seen(b.range(i)));
-        let size = (high - low).max(top - other);
-        (low - other).abs().max((high - top).abs()) <= SAME.sqrt() * size + 1e-9
+    let ranges = |orbit: &Orbit| -> Vec<(f64, f64)> {
+        (0..orbit.dimension).map(|i| orbit.range(i)).collect()
+    };
+    let (own, other) = (ranges(a), ranges(b));
+    mirrors.ranges(&other).any(|image| {
+        own.iter().zip(&image).all(|((low, high), (other, top))| {
+            let size = (high - low).max(top - other);
+            (low - other).abs().max((high - top).abs()) <= SAME.sqrt() * size + 1e-9
+        })
     })
 }

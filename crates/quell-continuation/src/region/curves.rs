@@ -45,7 +45,7 @@ pub(super) struct Atlas<'p> {
     pub(super) curves: Vec<RegionCurve>,
     corners: Vec<Corner>,
     out: Region,
-    pub(super) odd: bool,
+    pub(super) mirrored: bool,
 }
 
 impl<'p> Atlas<'p> {
@@ -66,10 +66,10 @@ impl<'p> Atlas<'p> {
                 diagrams: 0,
                 ways: 0,
                 branch_points: Vec::new(),
-                odd: false,
+                mirrored: false,
                 failed: Vec::new(),
             },
-            odd: false,
+            mirrored: false,
         }
     }
 
@@ -449,7 +449,7 @@ impl<'p> Atlas<'p> {
             square,
             mut curves,
             mut out,
-            odd,
+            mirrored,
             ..
         } = self;
         let back = |parameters: &mut Vec<f64>| *parameters = square.parameters(parameters);
@@ -493,7 +493,7 @@ impl<'p> Atlas<'p> {
             .collect();
         out.diagrams = diagrams;
         out.ways = ways;
-        out.odd = odd;
+        out.mirrored = mirrored;
         out
     }
 }

@@ -137,8 +137,8 @@ pub struct Region {
     pub ways: usize,
     /// Points at which a real eigenvalue passes zero without a fold: branch points, whose curves are not followed.
     pub branch_points: Vec<[f64; 2]>,
-    /// Whether f(-x) = -f(x), so that of mirror images one was counted.
-    pub odd: bool,
+    /// Whether changes of sign of states leave the equations as they are, so that of mirror images one was counted.
+    pub mirrored: bool,
     /// What could not be followed: what it was, and why.
     pub failed: Vec<(String, ContinuationError)>,
 }
@@ -251,7 +251,7 @@ pub fn region(
             let place = again.or_else(|| {
                 let mut looked = looked?;
                 seeds.append(&mut looked.seeds);
-                atlas.odd |= looked.odd;
+                atlas.mirrored |= looked.mirrors.any();
                 let place = square.parameters(&face.inside);
                 let told = looked.failed.drain(..).map(|(what, error)| {
                     let what = format!("{what} of the diagrams through {place:?}");

@@ -2,7 +2,9 @@
 
 use crate::support::models::*;
 use crate::support::{Exact, Field, Real};
-use quell_continuation::{DiagramSettings, Kind, Settings, Stop, diagram};
+use quell_continuation::{
+    DiagramSettings, Kind, Settings, Stop, diagram, equilibria, equilibria_across,
+};
 
 #[test]
 fn lorenz_without_a_start() {
@@ -38,11 +40,13 @@ fn lorenz_without_a_start() {
             )
         })
         .collect();
-    // The origin, and the two non-trivial branches (Lorenz is symmetric, but not odd).
-    assert!(!d.odd);
-    assert_eq!(count(Kind::Hopf), 2, "{summary:?}");
-    assert!(d.equilibria.len() <= 3, "{summary:?}");
-    assert_eq!(d.cycles.len(), 2);
+    // The origin, and of the two branches from its pitchfork one: x, y -> -x, -y changes nothing.
+    assert!(d.mirrored);
+    assert_eq!(count(Kind::Hopf), 1, "{summary:?}");
+    assert_eq!(d.equilibria.len(), 2, "{summary:?}");
+    let parent = Some(("E1".to_owned(), "BP1".to_owned()));
+    assert_eq!(d.equilibria[1].parent, parent, "{summary:?}");
+    assert_eq!(d.cycles.len(), 1);
     assert!(d.failed.is_empty(), "{:?}", d.failed);
 }
 
@@ -59,9 +63,20 @@ fn mirror_images_are_counted_once() {
         depth: 2,
     };
     let d = diagram(&problem, &[-0.9], 0, &s).unwrap();
-    assert!(d.odd);
+    assert!(d.mirrored);
     let names: Vec<_> = d.equilibria.iter().map(|m| (&m.name, &m.parent)).collect();
     assert_eq!(d.equilibria.len(), 2, "{names:?}");
+    // The other branch is one half of what leaves the pitchfork, which is no fold.
+    let [rest, bent] = &d.equilibria[..] else {
+        unreachable!("there are two");
+    };
+    let pitchfork = rest.branch.of(Kind::BranchPoint)[0];
+    assert!((pitchfork.solution.parameters[0] + 0.5).abs() < 1e-6);
+    assert_eq!(
+        bent.parent,
+        Some((rest.name.clone(), pitchfork.label.clone()))
+    );
+    assert!(bent.branch.of(Kind::Fold).is_empty());
     assert!(
         d.cycles
             .iter()
@@ -97,18 +112,17 @@ fn of_mirrored_cycles_one_is_followed() {
         };
         diagram(&problem, &[0.0], 0, &s).unwrap()
     };
-    for (centre, odd, cycles) in [(0.0, true, 1), (0.125, false, 2)] {
+    for (centre, mirrored, cycles) in [(0.0, true, 1), (0.125, false, 2)] {
         let d = found(centre);
-        assert_eq!(d.odd, odd);
+        assert_eq!(d.mirrored, mirrored);
         let hopf: Vec<f64> = d
             .equilibria
             .iter()
             .flat_map(|m| m.branch.of(Kind::Hopf))
             .map(|h| h.solution.parameters[0])
             .collect();
-        // The branch of both wells is one, through the pitchfork.
         assert!(hopf.iter().all(|p| (p - 0.5).abs() < 1e-6), "{hopf:?}");
-        assert_eq!((hopf.len(), d.cycles.len()), (2, cycles));
+        assert_eq!((hopf.len(), d.cycles.len()), (cycles, cycles));
     }
 }
 
@@ -166,4 +180,34 @@ fn equilibria_much_closer_together_than_the_box_is_wide() {
         (found[0] + 0.007).abs() < 1e-9 && found[1].abs() < 1e-9,
         "{found:?}"
     );
+}
+
+/// x' = p x - x³ followed from x = ½, through the pitchfork at p = 0: the other branch crosses there, and p has no effect on x = 0, so
+/// that the turn of the parameter is no fold.
+struct Pitchfork;
+impl Field for Pitchfork {
+    const N: usize = 1;
+    const P: usize = 1;
+    fn f<R: Real>(&self, _t: R, x: &[R], p: &[R], out: &mut [R]) {
+        out[0] = p[0] * x[0] - x[0].cube();
+    }
+}
+
+#[test]
+fn the_turn_of_a_pitchfork_is_a_branch_point() {
+    let problem = Exact::<_, 1>(Pitchfork);
+    let settings = Settings::new(&[(-1.0, 1.0)]);
+    let found = equilibria(&problem, &[0.5], &[0.25], 0, &settings).unwrap();
+    let kinds: Vec<Kind> = found.special.iter().map(|one| one.kind).collect();
+    assert_eq!(kinds, [Kind::BranchPoint]);
+    assert!(found.special[0].solution.parameters[0].abs() < 1e-6);
+    // Both halves, and the straight branch across.
+    let ends: Vec<f64> = [found.points.first(), found.points.last()]
+        .iter()
+        .map(|point| point.unwrap().solution.state[0])
+        .collect();
+    assert!(ends[0] * ends[1] < 0.0, "{ends:?}");
+    let across = equilibria_across(&problem, &found.special[0], 0, 1.0, &settings).unwrap();
+    let far = &across.points.last().unwrap().solution;
+    assert!(far.state[0].abs() < 1e-6, "{far:?}");
 }

@@ -184,7 +184,7 @@ impl Follower<'_> {
                 }
             })
             .collect();
-        if found.odd {
+        if found.mirrored {
             notes.push(
                 "the equations are the same for the mirrored motion: of mirror images one is shown"
                     .to_owned(),

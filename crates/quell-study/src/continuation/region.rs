@@ -339,7 +339,7 @@ fn checks(model: &Model, found: &quell_continuation::Region) -> Vec<String> {
             name(1)
         ));
     }
-    if found.odd {
+    if found.mirrored {
         words.push(
             "the equations are the same for the mirrored motion: of mirror images one was counted"
                 .to_owned(),

@@ -1,15 +1,20 @@
 //! Automatic diagrams: equilibria found by multi-start and deflation, their branches, the cycles born on them.
 
+mod mirror;
+mod roots;
+
 use rayon::prelude::*;
 
 use crate::branch::{Branch, Equilibrium, Special};
 use crate::bytes::Kept;
-use crate::dense::{Lu, norm};
+use crate::dense::norm;
 use crate::equilibrium::{check, equilibria, equilibria_across};
 use crate::kind::{Certainty, Kind};
 use crate::orbit::{Orbit, cycles_across, cycles_doubled, cycles_from_hopf};
 use crate::problem::Problem;
 use crate::settings::{ContinuationError, Settings, Stop};
+pub(crate) use mirror::Mirrors;
+use roots::roots;
 
 /// What a diagram looks for.
 #[derive(Clone, Debug)]
@@ -43,8 +48,12 @@ pub struct Diagram {
     pub equilibria: Vec<Member<Equilibrium>>,
     /// Branches of cycles.
     pub cycles: Vec<Member<Orbit>>,
-    /// Whether f(-x) = -f(x), so that mirror images were left out.
-    pub odd: bool,
+    /// Whether changes of sign of states leave the equations as they are, so that mirror images were left out.
+    pub mirrored: bool,
+    /// These changes of sign.
+    pub(crate) mirrors: Mirrors,
+    /// Branches of equilibria whose branch points have been looked at.
+    looked: usize,
     /// Switches that failed: name of the branch, label of the point, reason.
     pub failed: Vec<(String, String, ContinuationError)>,
 }
@@ -125,8 +134,10 @@ pub fn diagram_kept(
             "a diagram needs a finite range of its parameter",
         ));
     }
+    let mirrors = Mirrors::of(problem, parameters, &settings.states);
     let mut out = Diagram {
-        odd: is_odd(problem, parameters, &settings.states),
+        mirrored: mirrors.any(),
+        mirrors,
         ..Diagram::default()
     };
     for value in [low, 0.5 * (low + high), high] {
@@ -136,59 +147,33 @@ pub fn diagram_kept(
             .into_iter()
             .filter(|state| !out.holds(state, &p, free))
             .collect();
-        // All in parallel, then kept in order: a start on a branch of an earlier one is superfluous.
-        let found: Vec<_> = starts
-            .par_iter()
-            .map(|state| {
-                let name = format!("equilibria through {state:?} at {value:?}");
-                keeper.branch(&name, || {
-                    equilibria(problem, state, &p, free, &settings.branch)
+        // The first one alone, with what branches off it: others may well lie there. The rest in parallel, then kept in order: a start on
+        // a branch of an earlier one is superfluous.
+        let (first, others) =
+            starts.split_at(usize::from(out.equilibria.is_empty()).min(starts.len()));
+        for starts in [first, others] {
+            let found: Vec<_> = starts
+                .par_iter()
+                .filter(|state| !out.holds(state, &p, free))
+                .map(|state| {
+                    let name = format!("equilibria through {state:?} at {value:?}");
+                    let followed = keeper.branch(&name, || {
+                        equilibria(problem, state, &p, free, &settings.branch)
+                    });
+                    (state, followed)
                 })
-            })
-            .collect();
-        for (state, followed) in starts.iter().zip(found) {
-            if out.holds(state, &p, free) {
-                continue;
-            }
-            match followed {
-                Ok(branch) => out.add_equilibria(None, branch),
-                Err(error) => out.failed.push((String::new(), format!("{value}"), error)),
-            }
-        }
-    }
-    let mut next = 0;
-    for _ in 0..settings.depth {
-        let end = out.equilibria.len();
-        let mut switches = Vec::new();
-        for member in &out.equilibria[next..end] {
-            for point in member.branch.of(Kind::BranchPoint) {
-                if point.certainty == Certainty::Located {
-                    switches.push((member.name.clone(), point.clone(), 1.0));
-                    switches.push((member.name.clone(), point.clone(), -1.0));
+                .collect();
+            for (state, followed) in found {
+                if out.holds(state, &p, free) {
+                    continue;
+                }
+                match followed {
+                    Ok(branch) => out.add_equilibria(None, branch),
+                    Err(error) => out.failed.push((String::new(), format!("{value}"), error)),
                 }
             }
+            out.across(problem, free, settings, keeper);
         }
-        let found: Vec<_> = switches
-            .par_iter()
-            .map(|(branch, point, side)| {
-                let name = format!("across {branch}:{} by {side}", point.label);
-                keeper.branch(&name, || {
-                    equilibria_across(problem, point, free, *side, &settings.branch)
-                })
-            })
-            .collect();
-        for ((name, point, _), followed) in switches.into_iter().zip(found) {
-            match followed {
-                Ok(branch) => {
-                    let probe = &branch.points[branch.points.len() / 2].solution;
-                    if !out.holds(&probe.state, &probe.parameters, free) {
-                        out.add_equilibria(Some((name, point.label)), branch);
-                    }
-                }
-                Err(error) => out.failed.push((name, point.label, error)),
-            }
-        }
-        next = end;
     }
     if settings.depth > 0 {
         out.cycles(problem, free, settings, keeper);
@@ -197,6 +182,51 @@ pub fn diagram_kept(
 }
 
 impl Diagram {
+    /// Follows what crosses branches of equilibria that were not looked at yet, to the depth that is asked for.
+    fn across(
+        &mut self,
+        problem: &dyn Problem,
+        free: usize,
+        settings: &DiagramSettings,
+        keeper: &dyn Keeper,
+    ) {
+        for depth in 0..settings.depth {
+            let mut switches = Vec::new();
+            for member in &self.equilibria[self.looked..] {
+                for point in member.branch.of(Kind::BranchPoint) {
+                    if point.certainty == Certainty::Located {
+                        switches.push((member.name.clone(), point.clone(), 1.0));
+                        switches.push((member.name.clone(), point.clone(), -1.0));
+                    }
+                }
+            }
+            self.looked = self.equilibria.len();
+            let found: Vec<_> = switches
+                .par_iter()
+                .map(|(branch, point, side)| {
+                    let name = format!("across {branch}:{} by {side}", point.label);
+                    keeper.branch(&name, || {
+                        equilibria_across(problem, point, free, *side, &settings.branch)
+                    })
+                })
+                .collect();
+            for ((name, point, _), followed) in switches.into_iter().zip(found) {
+                match followed {
+                    Ok(branch) => {
+                        let probe = &branch.points[branch.points.len() / 2].solution;
+                        if !self.holds(&probe.state, &probe.parameters, free) {
+                            self.add_equilibria(Some((name, point.label)), branch);
+                        }
+                    }
+                    Err(error) => self.failed.push((name, point.label, error)),
+                }
+            }
+            if depth + 1 == settings.depth {
+                self.looked = self.equilibria.len();
+            }
+        }
+    }
+
     fn add_equilibria(&mut self, parent: Option<(String, String)>, branch: Branch<Equilibrium>) {
         let name = format!("E{}", self.equilibria.len() + 1);
         self.equilibria.push(Member {
@@ -214,14 +244,8 @@ impl Diagram {
                 let (a, b) = (&pair[0].solution, &pair[1].solution);
                 let chord: Vec<f64> = b.state.iter().zip(&a.state).map(|(b, a)| b - a).collect();
                 let rise = b.parameters[free] - a.parameters[free];
-                let images = if self.odd { 2 } else { 1 };
-                (0..images).any(|image| {
-                    let sign = if image == 0 { 1.0 } else { -1.0 };
-                    let to: Vec<f64> = state
-                        .iter()
-                        .zip(&a.state)
-                        .map(|(x, a)| sign * x - a)
-                        .collect();
+                self.mirrors.images(state).any(|image| {
+                    let to: Vec<f64> = image.iter().zip(&a.state).map(|(x, a)| x - a).collect();
                     let up = value - a.parameters[free];
                     // Distance from the chord in the state, at the place along it where the parameter agrees, or where
                     // the state is nearest if the parameter hardly moves.
@@ -251,7 +275,9 @@ impl Diagram {
             for point in &member.branch.special {
                 if matches!(point.kind, Kind::Hopf | Kind::HopfHopf)
                     && point.certainty == Certainty::Located
-                    && !(self.odd && starts.iter().any(|(_, known)| mirrored(known, point)))
+                    && !starts
+                        .iter()
+                        .any(|(_, known)| self.mirrors.images_of_each_other(known, point))
                 {
                     starts.push((member.name.clone(), point.clone()));
                 }
@@ -271,7 +297,7 @@ impl Diagram {
             let met = self
                 .cycles
                 .iter()
-                .any(|c| ends_at(&c.branch, &point.solution, free, self.odd));
+                .any(|c| ends_at(&c.branch, &point.solution, free, &self.mirrors));
             match result {
                 _ if met => {}
                 Ok(branch) => {
@@ -341,18 +367,8 @@ impl Diagram {
     }
 }
 
-/// Whether two Hopf points are mirror images.
-fn mirrored(a: &Special<Equilibrium>, b: &Special<Equilibrium>) -> bool {
-    let (x, y) = (&a.solution, &b.solution);
-    let near = |p: &[f64], q: &[f64], sign: f64| {
-        let gap: Vec<f64> = p.iter().zip(q).map(|(p, q)| p - sign * q).collect();
-        norm(&gap) <= 1e-6 * (norm(p) + norm(q))
-    };
-    near(&x.state, &y.state, -1.0) && near(&x.parameters, &y.parameters, 1.0)
-}
-
 /// Whether a branch of cycles shrinks to an equilibrium (or its mirror image).
-fn ends_at(branch: &Branch<Orbit>, at: &Equilibrium, free: usize, odd: bool) -> bool {
+fn ends_at(branch: &Branch<Orbit>, at: &Equilibrium, free: usize, mirrors: &Mirrors) -> bool {
     if branch.stop[1] != Stop::Vanished {
         return false;
     }
@@ -361,127 +377,16 @@ fn ends_at(branch: &Branch<Orbit>, at: &Equilibrium, free: usize, odd: bool) -> 
     };
     let orbit = &last.solution;
     let n = orbit.dimension;
-    let (mut gap, mut mirror, mut size) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for i in 0..n {
-        let (low, high) = orbit.range(i);
-        let middle = 0.5 * (low + high);
-        gap = gap.max((middle - at.state[i]).abs());
-        mirror = mirror.max((middle + at.state[i]).abs());
-        size = size.max(high - low);
-    }
+    let ranges: Vec<(f64, f64)> = (0..n).map(|i| orbit.range(i)).collect();
+    let size = ranges
+        .iter()
+        .map(|(low, high)| high - low)
+        .fold(0.0, f64::max);
+    let near = mirrors.images(&at.state).any(|state| {
+        let pairs = ranges.iter().zip(&state);
+        { pairs }.all(|((low, high), x)| (0.5 * (low + high) - x).abs() <= size)
+    });
     let before = &branch.points[branch.points.len().saturating_sub(2)].solution;
     let moved = (before.parameters[free] - orbit.parameters[free]).abs();
-    let near = gap <= size || odd && mirror <= size;
     near && (orbit.parameters[free] - at.parameters[free]).abs() <= 10.0 * moved + 1e-6
-}
-
-/// Whether f(-x) = -f(x) at a few points of the box.
-fn is_odd(problem: &dyn Problem, parameters: &[f64], states: &[(f64, f64)]) -> bool {
-    let n = problem.states();
-    (1..=4).all(|k| {
-        let x = point(states, k);
-        let mirror: Vec<f64> = x.iter().map(|x| -x).collect();
-        let (mut f, mut g) = (vec![0.0; n], vec![0.0; n]);
-        problem.value(0.0, &x, parameters, &mut f);
-        problem.value(0.0, &mirror, parameters, &mut g);
-        let size = norm(&f).max(norm(&g));
-        f.iter().zip(&g).all(|(f, g)| (f + g).abs() <= 1e-12 * size)
-    })
-}
-
-/// Point k of an additive recurrence in the box (fractional parts of k √prime).
-fn point(states: &[(f64, f64)], k: usize) -> Vec<f64> {
-    let primes = [
-        2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0_f64,
-    ];
-    states
-        .iter()
-        .enumerate()
-        .map(|(i, (low, high))| {
-            let root = (primes[i % primes.len()] + (i / primes.len()) as f64 * 0.37).sqrt();
-            low + (high - low) * (k as f64 * root).fract()
-        })
-        .collect()
-}
-
-/// Parts of the box in which a third as many starts look for equilibria that lie close together on its scale.
-const SHRUNK: [f64; 3] = [0.1, 0.01, 0.001];
-
-/// Equilibria at given parameters, in the order in which they are found.
-fn roots(problem: &dyn Problem, p: &[f64], settings: &DiagramSettings) -> Vec<Vec<f64>> {
-    let n = problem.states();
-    let size = settings
-        .states
-        .iter()
-        .map(|(a, b)| (b - a).powi(2))
-        .sum::<f64>()
-        .sqrt()
-        .max(1e-12);
-    let mut found: Vec<Vec<f64>> = Vec::new();
-    let (mut f, mut jacobian) = (vec![0.0; n], vec![0.0; n * n]);
-    let mut lu = Lu::new();
-    // The middle of the box first; then the whole box, then parts of it about its middle.
-    let starts = std::iter::once((0, 0.0))
-        .chain((1..=settings.starts).map(|k| (k, 1.0)))
-        .chain(
-            SHRUNK
-                .iter()
-                .flat_map(|part| (1..=settings.starts.div_ceil(3)).map(move |k| (k, *part))),
-        );
-    for (k, part) in starts {
-        let mut x = point(&settings.states, k);
-        for (x, (low, high)) in x.iter_mut().zip(&settings.states) {
-            let middle = 0.5 * (low + high);
-            *x = middle + part * (*x - middle);
-        }
-        for _ in 0..60 {
-            problem.value(0.0, &x, p, &mut f);
-            problem.jacobian(0.0, &x, p, &mut jacobian);
-            if !lu.factor(n, &jacobian) || f.iter().any(|f| !f.is_finite()) {
-                break;
-            }
-            let mut step: Vec<f64> = f.iter().map(|f| -f).collect();
-            lu.solve(&mut step);
-            // Deflation multiplies the step by 1 / (1 - ∇η·step / η), η = Π (1 + (size / |x - r|)²).
-            let mut slope = 0.0;
-            for r in &found {
-                let d: Vec<f64> = x.iter().zip(r).map(|(x, r)| x - r).collect();
-                let square = crate::dense::dot(&d, &d).max(1e-300);
-                let eta = 1.0 + 1e-4 * size * size / square;
-                slope -= 2.0 * 1e-4 * size * size / (square * square)
-                    * crate::dense::dot(&d, &step)
-                    / eta;
-            }
-            let deflated = 1.0 / (1.0 - slope);
-            let raw = norm(&step);
-            let mut factor = if deflated.is_finite() { deflated } else { 1.0 };
-            if raw * factor.abs() > 0.3 * size {
-                factor *= 0.3 * size / (raw * factor.abs());
-            }
-            crate::dense::axpy(factor, &step, &mut x);
-            if raw < 1e-10 * (size + norm(&x)) {
-                break;
-            }
-        }
-        problem.value(0.0, &x, p, &mut f);
-        problem.jacobian(0.0, &x, p, &mut jacobian);
-        if f.iter().any(|f| !f.is_finite()) || !lu.factor(n, &jacobian) {
-            continue;
-        }
-        let mut step = f.clone();
-        lu.solve(&mut step);
-        let converged = norm(&step) < 1e-8 * (size + norm(&x));
-        let new = found.iter().all(|r| {
-            let d: Vec<f64> = x.iter().zip(r).map(|(x, r)| x - r).collect();
-            norm(&d) > 1e-5 * size
-        });
-        let inside = x
-            .iter()
-            .zip(&settings.states)
-            .all(|(x, (a, b))| *x >= a - 0.5 * (b - a) && *x <= b + 0.5 * (b - a));
-        if converged && new && inside {
-            found.push(x);
-        }
-    }
-    found
 }
