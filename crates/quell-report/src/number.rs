@@ -3,6 +3,14 @@
 /// The digits shown where nothing else is asked for.
 pub const SIGNIFICANT_DIGITS: usize = 5;
 
+/// A number with its unit, kept on one line; a unit that is empty or 1 is left out.
+pub fn with_unit(number: &str, shown: &str) -> String {
+    match shown {
+        "" | "1" => number.to_owned(),
+        shown => format!("{number}\u{a0}{}", unit(shown)),
+    }
+}
+
 /// What is smaller than this part of the largest number beside it is rounding.
 const ROUNDING: f64 = 1e-9;
 

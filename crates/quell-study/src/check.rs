@@ -35,7 +35,10 @@ pub fn check(study: &Study) -> Result<Summary, Fault> {
     lines.push(format!(
         "host {}: {}, {}, {}",
         standing.host.name,
-        counted(standing.host.coordinates.len(), "coordinate"),
+        crate::standing::size(
+            standing.host.coordinates.len(),
+            standing.equations().map_or(0, |host| host.states.len())
+        ),
         counted(standing.host.inputs.len(), "input"),
         counted(standing.host.ports.len(), "port"),
     ));

@@ -15,8 +15,30 @@ use crate::study::Study;
 pub struct Standing {
     /// The structure.
     pub host: Arc<LinearHost>,
+    /// How many first-order states it has beside its coordinates.
+    pub states: usize,
     /// Its parameters in the order of the file, SI.
     pub parameters: Vec<(String, Quantity)>,
+}
+
+impl Standing {
+    /// `2 coordinates, 1 first-order state`.
+    #[must_use]
+    pub fn size(&self) -> String {
+        size(self.host.coordinates.len(), self.states)
+    }
+}
+
+/// The number of coordinates and of first-order states in words; where there are states alone, of those.
+pub(crate) fn size(coordinates: usize, states: usize) -> String {
+    let plural = |number: usize| if number == 1 { "" } else { "s" };
+    let first = format!("{coordinates} coordinate{}", plural(coordinates));
+    let second = format!("{states} first-order state{}", plural(states));
+    match (coordinates, states) {
+        (_, 0) => first,
+        (0, _) => second,
+        _ => format!("{first}, {second}"),
+    }
 }
 
 impl Study {
@@ -37,7 +59,9 @@ impl Study {
             })
             .collect();
         let situation = situation::build(&self.host, &self.overrides, &at)?;
+        let states = situation.equations().map_or(0, |host| host.states.len());
         Ok(Standing {
+            states,
             host: situation.host,
             parameters: situation.parameters,
         })

@@ -4,7 +4,7 @@ use quell_study::continuation::{
     BranchOutcome, BranchPoint, ContinuationFindings, Follows, MeasureHead,
 };
 
-use crate::number::{significant, significant_beside, unit};
+use crate::number::{significant, significant_beside, unit, with_unit};
 use crate::page::{PointTable, TaskKind};
 use crate::plot::{Axis, Mark, Plot, Role, Series};
 
@@ -294,13 +294,8 @@ pub(super) fn words(found: &ContinuationFindings) -> Vec<String> {
         .iter()
         .map(|one| {
             let (low, high) = one.range;
-            format!(
-                "`{}` from {} to {}\u{a0}{}",
-                one.name,
-                significant(low, 4),
-                significant(high, 4),
-                unit(&one.unit)
-            )
+            let high = with_unit(&significant(high, 4), &one.unit);
+            format!("`{}` from {} to {high}", one.name, significant(low, 4))
         })
         .collect();
     let mut words = vec![format!("{}.", names.join(", "))];

@@ -5,7 +5,7 @@ use quell_study::continuation::{
 };
 
 use super::branches::{DIGITS, headed};
-use crate::number::{significant, significant_beside, unit};
+use crate::number::{significant, significant_beside, with_unit};
 use crate::page::PointTable;
 use crate::plot::{Axis, Plot, Series};
 
@@ -141,12 +141,8 @@ fn at_words(found: &ContinuationFindings, place: &PlaceOutcome) -> String {
         .iter()
         .zip(&place.parameters)
         .map(|(one, value)| {
-            format!(
-                "`{}` = {}\u{a0}{}",
-                one.name,
-                significant(*value, 5),
-                unit(&one.unit)
-            )
+            let shown = with_unit(&significant(*value, 5), &one.unit);
+            format!("`{}` = {shown}", one.name)
         })
         .collect();
     if values.is_empty() {

@@ -26,13 +26,7 @@ impl Bridge<'_> {
         let mut facts = Vec::new();
         let title = self.study.host.title();
         facts.push(match &self.standing {
-            Some(standing) => Fact::new(
-                "Host",
-                format!(
-                    "{title}: {}",
-                    counted(standing.host.coordinates.len(), "coordinate")
-                ),
-            ),
+            Some(standing) => Fact::new("Host", format!("{title}: {}", standing.size())),
             None => Fact::new("Host", title),
         });
         for (name, run) in &self.study.runs {
@@ -214,10 +208,6 @@ impl Bridge<'_> {
         }
         all
     }
-}
-
-fn counted(number: usize, what: &str) -> String {
-    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
 }
 
 /// SI unit of a criterion, from the first value of it.

@@ -7,7 +7,7 @@ use quell_study::continuation::{
 };
 
 use super::branches::series;
-use crate::number::{significant, unit};
+use crate::number::{significant, with_unit};
 use crate::plot::{Area, Axis, Mark, Plot, Series};
 
 /// A cell that is smaller than this part of the rectangle has no text in it.
@@ -189,12 +189,8 @@ pub(super) fn words(found: &ContinuationFindings, regions: &RegionFindings) -> V
 /// A cell in words.
 fn told(found: &ContinuationFindings, cell: &CellOutcome) -> String {
     let at = |(one, value): (&FreeParameter, &f64)| {
-        format!(
-            "`{}` = {}\u{a0}{}",
-            one.name,
-            significant(*value, 4),
-            unit(&one.unit)
-        )
+        let shown = with_unit(&significant(*value, 4), &one.unit);
+        format!("`{}` = {shown}", one.name)
     };
     let place: Vec<String> = found.parameters.iter().zip(&cell.at).map(at).collect();
     let mut text = format!(
@@ -213,12 +209,8 @@ fn told(found: &ContinuationFindings, cell: &CellOutcome) -> String {
         let measured = found.measures.iter().zip(&one.point.measures);
         let numbers: Vec<String> = measured
             .map(|(head, value)| {
-                format!(
-                    "`{}` {}\u{a0}{}",
-                    head.name,
-                    significant(value / head.factor, 4),
-                    unit(&head.unit)
-                )
+                let shown = with_unit(&significant(value / head.factor, 4), &head.unit);
+                format!("`{}` {shown}", head.name)
             })
             .collect();
         // Writing to a string cannot fail.

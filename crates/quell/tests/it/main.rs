@@ -7,6 +7,7 @@
 
 mod check;
 mod help;
+mod interrupt;
 mod layouts;
 mod objectives;
 mod run;
