@@ -236,6 +236,53 @@ ranges = { F0 = [0.02, 0.4] }
     }
 }
 
+/// Curves in one plane from points of different dampers: refused where the damper is not one of the plane's parameters.
+#[test]
+fn curves_of_one_plane_are_of_one_configuration() {
+    let study = |parameters: &str, range: &str| {
+        written(&format!(
+            r#"
+quell = 1
+title = "Two dampers"
+host = "self-excited.toml"
+
+[devices.damper]
+port = "p"
+
+[[tasks]]
+name = "light"
+kind = "branch"
+parameter = "mu"
+configuration = {{ damper = "c1", c1 = "0.2 N*s/m" }}
+
+[[tasks]]
+name = "heavy"
+kind = "branch"
+parameter = "mu"
+configuration = {{ damper = "c1", c1 = "0.4 N*s/m" }}
+
+[[tasks]]
+name = "both"
+kind = "curve"
+start = ["light:H1", "heavy:H1"]
+parameters = ["mu", "{parameters}"]
+ranges = {{ {parameters} = {range} }}
+"#
+        ))
+    };
+    let fixed = study("k", r#"["90 N/m", "110 N/m"]"#);
+    let refused = quell_study::run(&fixed, &RunSettings::default(), &Silent).unwrap_err();
+    let words = refused.to_string();
+    assert!(
+        words.contains("`heavy` and `light` are of different configurations: `c1` is 0.4 and 0.2"),
+        "{words}"
+    );
+    // Rest loses its stability at mu = c1, from either.
+    let results = run(&study("c1", r#"["0.1 N*s/m", "1 N*s/m"]"#), 2, &[]);
+    let curves = &found(&results, "both").branches;
+    assert_eq!(curves.len(), 2);
+}
+
 /// φ'' + c φ' + sin φ = M going round and round. In a turn the torque does the work that the damper takes:
 /// ∫ c φ'² dt = 2π M, so T mean(φ'²) = 2π M / c; exact, so the tolerance is that of collocation.
 #[test]

@@ -218,6 +218,18 @@ impl Follower<'_> {
                 "a task to start from has found nothing",
             ));
         }
+        if let ([(first, ..), ..], [known, ..]) = (labels.as_slice(), before) {
+            for ((task, _, span), other) in labels.iter().zip(before).skip(1) {
+                if let Some(what) = self.differs(known, other) {
+                    return Err(Fault::at(
+                        &study.source,
+                        *span,
+                        format!("`{task}` and `{first}` are of different configurations: {what}"),
+                    )
+                    .help("curves of one plane are of one configuration: write a task for each, or make free what differs"));
+                }
+            }
+        }
         let all: Vec<Result<Followed, Fault>> = labels
             .par_iter()
             .zip(before)
@@ -257,6 +269,29 @@ impl Follower<'_> {
             "no curve was found".clone_into(&mut status);
         }
         Ok((members, status, notes))
+    }
+
+    /// In what the configurations of two tasks differ, but for what this task makes free.
+    fn differs(&self, one: &Solved, other: &Solved) -> Option<String> {
+        let free = |name: &str| self.task.parameters.iter().any(|(known, _)| known == name);
+        let (a, b) = (&one.findings.devices, &other.findings.devices);
+        if a.len() != b.len() {
+            return Some(format!("{} and {} devices", a.len(), b.len()));
+        }
+        a.iter().zip(b).find_map(|(a, b)| {
+            if a.name != b.name || a.layout != b.layout {
+                return Some(format!("`{}` is `{}` and `{}`", a.name, b.layout, a.layout));
+            }
+            let device = &a.name;
+            let own = a.variables.iter().chain(&a.elements);
+            let pairs = own.zip(b.variables.iter().chain(&b.elements));
+            let differing = { pairs }.find(|(a, b)| {
+                let differ = a.value.to_bits() != b.value.to_bits();
+                differ && !free(&a.name) && !free(&format!("{device}.{}", a.name))
+            });
+            differing
+                .map(|(a, b)| format!("`{}` is {} and {} {}", a.name, b.value, a.value, a.unit))
+        })
     }
 
     /// From a labelled point of another task; else what is wrong with it as a start.
