@@ -79,14 +79,27 @@ fn s2_hopf_curve_crosses_itself() {
         assert!((p[0] - 0.05_f64.sqrt() / 2.0).abs() < 1e-8);
         assert!((p[1] - 1.0 / 1.05_f64.sqrt()).abs() < 1e-8);
     }
-    // The extremum in mu1.
-    let top = c
-        .points
-        .iter()
-        .map(|p| &p.solution.equilibrium.parameters)
-        .max_by(|a, b| a[0].total_cmp(&b[0]))
-        .unwrap();
-    assert!((top[0] - 0.113_167_1).abs() < 2e-5, "{top:?}");
+    // The extremum in mu1: the top of a parabola through three exact points 2e-6 apart, whose error is of the order of their
+    // distance cubed.
+    let lam = 0.976_044_4;
+    let mut s = Settings::new(&[(0.9, 1.05), (0.01, 0.3)]);
+    s.at = vec![lam - 2e-6, lam, lam + 2e-6];
+    let c = hopf_curve(&problem, &e.special[0], [1, 0], &s).unwrap();
+    let top = |lam: f64| {
+        let points = c.at.iter().map(|p| &p.solution.equilibrium.parameters);
+        points
+            .filter(|p| (p[1] - lam).abs() < 1e-9)
+            .map(|p| p[0])
+            .fold(0.0, f64::max)
+    };
+    let [low, middle, high] = [top(s.at[0]), top(s.at[1]), top(s.at[2])];
+    let (slope, bend) = (0.5 * (high - low), high - 2.0 * middle + low);
+    close(
+        middle - 0.5 * slope * slope / bend,
+        0.113_167_1,
+        5e-8 / 0.113,
+    );
+    close(lam - 2e-6 * slope / bend, 0.976_044_4, 1e-6);
 }
 
 #[test]

@@ -211,3 +211,28 @@ fn the_turn_of_a_pitchfork_is_a_branch_point() {
     let far = &across.points.last().unwrap().solution;
     assert!(far.state[0].abs() < 1e-6, "{far:?}");
 }
+
+/// The Hopf point of Lorenz-84 on the branch of positive v (AUTO-07p), which no start of its other branch leads to.
+#[test]
+fn s7_the_branch_with_positive_v() {
+    let problem = Exact::<_, 4>(Lorenz84);
+    let settings = DiagramSettings {
+        branch: Settings::new(&[(0.0, 3.0)]),
+        states: vec![(-3.0, 3.0); 4],
+        starts: 24,
+        depth: 0,
+    };
+    let found = diagram(&problem, &[3.0, 0.04], 0, &settings).unwrap();
+    let hopf: Vec<f64> = found
+        .equilibria
+        .iter()
+        .flat_map(|member| member.branch.of(Kind::Hopf))
+        .filter(|one| one.solution.state[3] > 0.0)
+        .map(|one| one.solution.parameters[0])
+        .collect();
+    assert!(
+        hopf.iter()
+            .any(|value| (value / 2.964_590_10 - 1.0).abs() < 1e-8),
+        "{hopf:?}"
+    );
+}
