@@ -5,6 +5,7 @@ mod branches;
 mod device;
 mod front;
 mod motions;
+mod pictures;
 mod problem;
 mod regions;
 mod task;

@@ -3,7 +3,7 @@
 use quell_document::{Fault, Value};
 use quell_network::{Domain, Kinds, Layout};
 
-use super::tasks::slot_of;
+use super::slots::slot_of;
 use crate::immittance::Form;
 use crate::keys;
 use crate::study::{CandidateSet, Study};

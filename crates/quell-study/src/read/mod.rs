@@ -1,17 +1,20 @@
 //! From a study file to a [`Study`]: keys checked, names resolved, layouts parsed; every fault at its place.
 
 mod band;
+mod candidates;
 mod continuation;
 mod criteria;
+mod design;
 mod devices;
 mod immittance;
 mod objectives;
 mod simulate;
+mod slots;
 mod sweep;
 mod tasks;
 mod transient;
 
-pub(crate) use tasks::kinds_of;
+pub(crate) use slots::kinds_of;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -27,7 +27,7 @@ fn an_interrupt_ends_branches_and_leaves_what_they_found() {
         .spawn()
         .unwrap();
     let began = Instant::now();
-    while !out.join("store.sqlite").exists() && began.elapsed() < Duration::from_secs(60) {
+    while !out.join("store.sqlite").exists() && began.elapsed() < Duration::from_mins(1) {
         std::thread::sleep(Duration::from_millis(20));
     }
     std::thread::sleep(Duration::from_secs(1));
