@@ -258,3 +258,38 @@ fn threads_do_not_matter() {
     let text = |results: &Results| serde_json::to_string(&motions(results, "pushed")).unwrap();
     assert_eq!(text(&one), text(&two));
 }
+
+/// About the rest of a linear host no push is large: the task says what to do, and lets nothing go.
+#[test]
+fn a_linear_host_needs_stated_starts() {
+    let study = |starts: &str| {
+        written(&format!(
+            r#"
+quell = 1
+title = "Linear"
+host = "linear.toml"
+
+[[tasks]]
+name = "let go"
+kind = "simulate"
+measures = {{ x = "max(abs(x))" }}
+{starts}
+"#
+        ))
+    };
+    let results = run(&study(""), 1, &["let go"]);
+    let status = &results.tasks["let go"].status;
+    assert!(
+        status.contains("as good as linear") && status.contains("starts ="),
+        "{status}"
+    );
+    let results = run(
+        &study("starts = [{ x = 1 }, { \"x'\" = 2 }]"),
+        1,
+        &["let go"],
+    );
+    assert_eq!(
+        ends(&motions(&results, "let go").at[0].motions),
+        ["equilibrium"; 2]
+    );
+}

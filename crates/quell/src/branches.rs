@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use quell_report::number::{significant, significant_beside, unit};
 use quell_report::{ended, motion_words};
 use quell_study::continuation::{
-    BranchOutcome, BranchPoint, ContinuationFindings, MotionFindings, RegionFindings,
+    BranchOutcome, BranchPoint, ContinuationFindings, Follows, MotionFindings, RegionFindings,
 };
 
 use crate::table::{Table, wrap};
@@ -39,7 +39,11 @@ pub(crate) fn text(
     };
     let _ = writeln!(text, "{name}: {}{over}{place}", found.follows.kind());
     if found.status != "done" {
-        for line in wrap(&format!("NOTHING FOLLOWED: {}", found.status), width - 2) {
+        let what = match found.follows {
+            Follows::Motions => "LET GO",
+            _ => "FOLLOWED",
+        };
+        for line in wrap(&format!("NOTHING {what}: {}", found.status), width - 2) {
             let _ = writeln!(text, "  {line}");
         }
     }

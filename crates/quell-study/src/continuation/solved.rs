@@ -43,10 +43,13 @@ pub(super) enum Begin<'a> {
 }
 
 impl Solved {
-    /// The number of solutions.
+    /// The number of solutions, and of motions.
     pub(crate) fn solutions(&self) -> u64 {
         let points = self.findings.branches.iter();
-        points.map(|branch| branch.points.len() as u64).sum()
+        let followed: usize = points.map(|branch| branch.points.len()).sum();
+        let motions = self.findings.motions.iter();
+        let watched: usize = motions.map(|motions| motions.count().all).sum();
+        (followed + watched) as u64
     }
 
     /// The point of a label, `H1` or `E1:H1`.

@@ -102,6 +102,10 @@ pub(super) fn followed(
         }
         starts.push(found);
     }
+    if starts.iter().all(Vec::is_empty) {
+        let why = notes.join("; ");
+        return Ok(reporter.findings(&[], why, Vec::new()));
+    }
     company.watcher.let_go(starts.iter().map(Vec::len).sum());
     let jobs: Vec<(usize, &Start)> = starts
         .iter()
