@@ -108,6 +108,44 @@ pub trait Problem: Sync {
         }
     }
 
+    /// [`second`](Self::second) at every node, u and v being given there too.
+    fn seconds(
+        &self,
+        t: &[f64],
+        x: &[f64],
+        p: &[f64],
+        u: &[f64],
+        v: &[f64],
+        out: &mut [f64],
+    ) -> bool {
+        let n = self.states();
+        let nodes = t.iter().zip(x.chunks_exact(n)).zip(out.chunks_exact_mut(n));
+        let directions = u.chunks_exact(n).zip(v.chunks_exact(n));
+        nodes
+            .zip(directions)
+            .all(|(((t, x), out), (u, v))| self.second(*t, x, p, u, v, out))
+    }
+
+    /// [`third`](Self::third) at every node, u, v and w being given there too.
+    #[allow(clippy::too_many_arguments)] // one argument a symbol of the formula
+    fn thirds(
+        &self,
+        t: &[f64],
+        x: &[f64],
+        p: &[f64],
+        u: &[f64],
+        v: &[f64],
+        w: &[f64],
+        out: &mut [f64],
+    ) -> bool {
+        let n = self.states();
+        let nodes = t.iter().zip(x.chunks_exact(n)).zip(out.chunks_exact_mut(n));
+        let directions = u.chunks_exact(n).zip(v.chunks_exact(n));
+        nodes
+            .zip(directions.zip(w.chunks_exact(n)))
+            .all(|(((t, x), out), ((u, v), w))| self.third(*t, x, p, u, v, w, out))
+    }
+
     /// [`time_derivative`](Self::time_derivative) at every node.
     fn time_derivatives(&self, t: &[f64], x: &[f64], p: &[f64], out: &mut [f64]) {
         let n = self.states();

@@ -85,7 +85,7 @@ pub(crate) fn coefficients(
         Mode::Fold => {
             // v' = A v + σ f: the phase runs by σ slower for each unit of amplitude.
             let sigma = variation.tau / size / c.period;
-            let mut source = point.second(&v, &v)?;
+            let mut source = point.squares(&v)?.0;
             let image = point.image(&v);
             for (s, a) in source.iter_mut().zip(&image) {
                 *s = *s * 0.5 + a * sigma;
@@ -94,8 +94,9 @@ pub(crate) fn coefficients(
             vec![(point.pair(&left, &source) / norm).re.abs()]
         }
         Mode::Doubling => {
-            let (h2, a) = point.solve(&point.second(&v, &v)?, C::new(1.0, 0.0))?;
-            let mut source = point.third(&v, &v, &v)?;
+            // v is real.
+            let (h2, a) = point.solve(&point.squares(&v)?.0, C::new(1.0, 0.0))?;
+            let mut source = point.cube(&v)?;
             let mixed = point.second(&v, &h2)?;
             let image = point.image(&v);
             for k in 0..source.len() {
@@ -104,12 +105,12 @@ pub(crate) fn coefficients(
             vec![(point.pair(&left, &source) / norm).re]
         }
         Mode::Torus => {
-            let bar = conj(&v);
-            let (h20, _) = point.solve(&point.second(&v, &v)?, mu * mu)?;
-            let (h11, a) = point.solve(&point.second(&v, &bar)?, C::new(1.0, 0.0))?;
-            let mut source = point.third(&v, &v, &bar)?;
+            let (square, mean) = point.squares(&v)?;
+            let (h20, _) = point.solve(&square, mu * mu)?;
+            let (h11, a) = point.solve(&mean, C::new(1.0, 0.0))?;
+            let mut source = point.cube(&v)?;
             let one = point.second(&v, &h11)?;
-            let two = point.second(&bar, &h20)?;
+            let two = point.second(&conj(&v), &h20)?;
             let image = point.image(&v);
             for k in 0..source.len() {
                 source[k] = source[k] * 0.5 + one[k] + two[k] * 0.5 - image[k] * a;
@@ -123,6 +124,17 @@ pub(crate) fn coefficients(
         .iter()
         .all(|x| x.is_finite())
         .then_some((found, norm / length))
+}
+
+/// The real or imaginary part of something at all Gauss points, unless it vanishes.
+type Part = Option<Vec<f64>>;
+
+fn parts(v: &[C]) -> [Part; 2] {
+    let part = |of: fn(&C) -> f64| {
+        let part: Vec<f64> = v.iter().map(of).collect();
+        part.iter().any(|x| *x != 0.0).then_some(part)
+    };
+    [part(|x| x.re), part(|x| x.im)]
 }
 
 /// The linearisation with what every integral needs.
@@ -180,66 +192,61 @@ impl<'c, 'p> Point<'c, 'p> {
         out
     }
 
-    /// A form of f in complex directions at every Gauss point: that in their real and imaginary parts, summed.
-    fn form(
-        &self,
-        directions: &[&[C]],
-        of: impl Fn(usize, &[&[f64]], &mut [f64]) -> bool,
-    ) -> Option<Vec<C>> {
-        let n = self.c.n;
-        let parts: Vec<[Vec<f64>; 2]> = directions
-            .iter()
-            .map(|v| {
-                [
-                    v.iter().map(|x| x.re).collect(),
-                    v.iter().map(|x| x.im).collect(),
-                ]
-            })
-            .collect();
-        let mut out = vec![C::default(); self.c.nodes()];
-        let mut value = vec![0.0; n];
-        for choice in 0..1_usize << parts.len() {
-            let chosen: Vec<&[f64]> = parts
-                .iter()
-                .enumerate()
-                .map(|(k, part)| part[choice >> k & 1].as_slice())
-                .collect();
-            if chosen.iter().any(|part| part.iter().all(|x| *x == 0.0)) {
-                continue;
-            }
-            let unit = C::i().powu(choice.count_ones());
-            let mut here = chosen.clone();
-            for (e, out) in out.chunks_exact_mut(n).enumerate() {
-                for (here, all) in here.iter_mut().zip(&chosen) {
-                    *here = &all[e * n..(e + 1) * n];
-                }
-                if !of(e, &here, &mut value) {
-                    return None;
-                }
-                for (o, x) in out.iter_mut().zip(&value) {
-                    *o += unit * *x;
-                }
-            }
-        }
-        Some(out)
+    /// D²f\[u, v\] or D³f\[u, v, w\] at every Gauss point.
+    fn form(&self, directions: &[&Part]) -> Option<Vec<f64>> {
+        let c = self.c;
+        let (t, x, p) = (&c.times, &c.states, &c.parameters);
+        let mut out = vec![0.0; c.nodes()];
+        let known = match directions {
+            [Some(u), Some(v)] => c.problem.seconds(t, x, p, u, v, &mut out),
+            [Some(u), Some(v), Some(w)] => c.problem.thirds(t, x, p, u, v, w, &mut out),
+            // A direction vanishes.
+            _ => true,
+        };
+        known.then_some(out)
     }
 
+    /// B(u, v).
     fn second(&self, u: &[C], v: &[C]) -> Option<Vec<C>> {
-        let (c, n) = (self.c, self.c.n);
-        self.form(&[u, v], |e, d, out| {
-            let x = &c.states[e * n..(e + 1) * n];
-            c.problem
-                .second(c.times[e], x, &c.parameters, d[0], d[1], out)
-        })
+        let ([a, b], [c, d]) = (parts(u), parts(v));
+        let (ac, bd) = (self.form(&[&a, &c])?, self.form(&[&b, &d])?);
+        let (ad, bc) = (self.form(&[&a, &d])?, self.form(&[&b, &c])?);
+        let terms = ac.iter().zip(&bd).zip(ad.iter().zip(&bc));
+        Some(
+            terms
+                .map(|((ac, bd), (ad, bc))| C::new(ac - bd, ad + bc))
+                .collect(),
+        )
     }
 
-    fn third(&self, u: &[C], v: &[C], w: &[C]) -> Option<Vec<C>> {
-        let (c, n) = (self.c, self.c.n);
-        self.form(&[u, v, w], |e, d, out| {
-            let x = &c.states[e * n..(e + 1) * n];
-            c.problem
-                .third(c.times[e], x, &c.parameters, d[0], d[1], d[2], out)
-        })
+    /// B(v, v) and B(v, v̄): by symmetry three real forms hold both.
+    fn squares(&self, v: &[C]) -> Option<(Vec<C>, Vec<C>)> {
+        let [a, b] = parts(v);
+        let (aa, bb, ab) = (
+            self.form(&[&a, &a])?,
+            self.form(&[&b, &b])?,
+            self.form(&[&a, &b])?,
+        );
+        let own = aa.iter().zip(&bb).zip(&ab);
+        let with = aa.iter().zip(&bb);
+        Some((
+            own.map(|((aa, bb), ab)| C::new(aa - bb, 2.0 * ab))
+                .collect(),
+            with.map(|(aa, bb)| C::new(aa + bb, 0.0)).collect(),
+        ))
+    }
+
+    /// C(v, v, v̄): by symmetry four real forms.
+    fn cube(&self, v: &[C]) -> Option<Vec<C>> {
+        let [a, b] = parts(v);
+        let (aaa, abb) = (self.form(&[&a, &a, &a])?, self.form(&[&a, &b, &b])?);
+        let (aab, bbb) = (self.form(&[&a, &a, &b])?, self.form(&[&b, &b, &b])?);
+        let terms = aaa.iter().zip(&abb).zip(aab.iter().zip(&bbb));
+        Some(
+            terms
+                .map(|((aaa, abb), (aab, bbb))| C::new(aaa + abb, aab + bbb))
+                .collect(),
+        )
     }
 
     /// h at Gauss points with h' = A h + g - a f and h(T) = μ h(0), and a: zero but at μ = 1 of an autonomous problem, where it

@@ -104,6 +104,31 @@ impl<M: Map> Problem for Mapped<'_, M> {
         let own = self.map.parameters(p);
         self.problem.linearisations(t, x, &own, values, jacobians);
     }
+    fn seconds(
+        &self,
+        t: &[f64],
+        x: &[f64],
+        p: &[f64],
+        u: &[f64],
+        v: &[f64],
+        out: &mut [f64],
+    ) -> bool {
+        let own = self.map.parameters(p);
+        self.problem.seconds(t, x, &own, u, v, out)
+    }
+    fn thirds(
+        &self,
+        t: &[f64],
+        x: &[f64],
+        p: &[f64],
+        u: &[f64],
+        v: &[f64],
+        w: &[f64],
+        out: &mut [f64],
+    ) -> bool {
+        let own = self.map.parameters(p);
+        self.problem.thirds(t, x, &own, u, v, w, out)
+    }
     fn parameter_derivatives(&self, t: &[f64], x: &[f64], p: &[f64], k: usize, out: &mut [f64]) {
         let own = self.map.parameters(p);
         self.chained(p, k, out, |j, out| {

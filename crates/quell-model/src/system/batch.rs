@@ -16,6 +16,9 @@ pub struct Batch<'s> {
     rates: BatchWorkspace,
     jacobian: BatchWorkspace,
     outputs: Vec<[f64; LANES]>,
+    higher: Option<BatchWorkspace>,
+    /// The point with directions after it.
+    directed: Vec<[f64; LANES]>,
     /// Where Newton's method takes part: each lane by itself. One for all, or one for each.
     lanes: Vec<Prepared<'s>>,
     pub(crate) slopes: SlopeWorkspaces,
@@ -62,6 +65,8 @@ impl System {
             rates: BatchWorkspace::default(),
             jacobian: BatchWorkspace::default(),
             outputs: Vec::new(),
+            higher: None,
+            directed: Vec::new(),
             lanes: Vec::new(),
             slopes: SlopeWorkspaces::default(),
         }
@@ -82,6 +87,7 @@ impl Batch<'_> {
             .jacobian
             .prepare_lanes(&self.point, &mut self.jacobian);
         self.slopes.clear();
+        self.higher = None;
         self.lanes.truncate(1);
         for prepared in &mut self.lanes {
             prepared.set_parameters(parameters);
@@ -158,5 +164,103 @@ impl Batch<'_> {
             *target = *value;
         }
         scatter(&self.system.entries, entries, jacobian, count * count);
+    }
+
+    /// The derivative of the rates along all directions given (1 to 3), which [`Prepared::along`] gives last: J·u, D²f[u, v] or
+    /// D³f[u, v, w]. `directions[k][i]` and `out[i]` hold component i of all lanes.
+    pub fn along(
+        &mut self,
+        t: &[f64; LANES],
+        x: &[[f64; LANES]],
+        directions: &[&[[f64; LANES]]],
+        out: &mut [[f64; LANES]],
+    ) {
+        self.move_to(t, x);
+        let higher = self.system.higher();
+        let point = &self.point;
+        let work = self.higher.get_or_insert_with(|| {
+            let mut work = BatchWorkspace::default();
+            higher.program.prepare_lanes(point, &mut work);
+            work
+        });
+        self.directed.clear();
+        self.directed.extend_from_slice(point);
+        self.directed.resize(higher.inputs, [0.0; LANES]);
+        for (places, direction) in higher.directions.iter().zip(directions) {
+            for (place, values) in places.iter().zip(*direction) {
+                if let Some(entry) = self.directed.get_mut(*place) {
+                    *entry = *values;
+                }
+            }
+        }
+        let count = self.system.states.len();
+        let Some(before) = directions.len().min(3).checked_sub(1) else {
+            return;
+        };
+        self.outputs.resize((before + 1) * count, [0.0; LANES]);
+        higher
+            .program
+            .evaluate_batch(before, &self.directed, work, &mut self.outputs);
+        let last = self.outputs.iter().skip(before * count);
+        for (target, value) in out.iter_mut().zip(last) {
+            *target = *value;
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::panic)]
+mod tests {
+    use std::sync::Arc;
+
+    use quell_document::Source;
+    use quell_expression::LANES;
+
+    use crate::HostFile;
+    use crate::system::{Phase, System};
+
+    #[test]
+    fn derivatives_along_directions_have_the_bits_of_single_points() {
+        let text = r#"
+quell = 1
+dimensionless = true
+[coordinates]
+y = {}
+z = {}
+[equations]
+y = "y'' = -sin(y)*z' - exp(y*z)"
+z = "(2 + y^2)*z'' = atan(y' - z) - z^3"
+"#;
+        let host = HostFile::parse(Arc::new(Source::new("host.toml", text)), ".")
+            .and_then(|file| file.equations(&[]))
+            .unwrap_or_else(|fault| panic!("{}", fault.render()));
+        let system = System::new(&host, &[], &[], Phase::Free).unwrap();
+        let n = system.states().len();
+        let lanes = |which: usize| -> Vec<[f64; LANES]> {
+            let value = |i: usize, lane: usize| (1.0 + (i + 4 * lane + 64 * which) as f64).sin();
+            (0..n)
+                .map(|i| std::array::from_fn(|lane| value(i, lane)))
+                .collect()
+        };
+        let all: Vec<Vec<[f64; LANES]>> = (0..4).map(lanes).collect();
+        let directions: Vec<&[[f64; LANES]]> = all[1..].iter().map(Vec::as_slice).collect();
+        let mut batch = system.prepare_batch(&system.defaults());
+        let mut prepared = system.prepare(&system.defaults());
+        for order in 1..=3 {
+            let mut out = vec![[0.0; LANES]; n];
+            batch.along(&[0.0; LANES], &all[0], &directions[..order], &mut out);
+            for lane in 0..LANES {
+                let own: Vec<Vec<f64>> = all
+                    .iter()
+                    .map(|values| values.iter().map(|value| value[lane]).collect())
+                    .collect();
+                let along: Vec<&[f64]> = own[1..=order].iter().map(Vec::as_slice).collect();
+                let expected = prepared.along(0.0, &own[0], &along);
+                assert!(expected[order - 1].iter().any(|x| *x != 0.0));
+                for (value, expected) in out.iter().zip(&expected[order - 1]) {
+                    assert_eq!(value[lane].to_bits(), expected.to_bits());
+                }
+            }
+        }
     }
 }

@@ -40,6 +40,7 @@ struct Work<'s> {
     rates: Vec<[f64; LANES]>,
     column: Vec<[f64; LANES]>,
     jacobian: Vec<[f64; LANES]>,
+    directions: [Vec<[f64; LANES]>; 3],
 }
 
 impl<'s> Field<'s> {
@@ -78,6 +79,7 @@ impl<'s> Field<'s> {
                 rates: vec![[0.0; LANES]; n],
                 column: vec![[0.0; LANES]; n],
                 jacobian: vec![[0.0; LANES]; n * n],
+                directions: [(); 3].map(|()| vec![[0.0; LANES]; n]),
             }
         });
         let same = work.free.len() == p.len()
@@ -126,14 +128,27 @@ impl<'s> Field<'s> {
                 for lane in 0..LANES {
                     let node = first + lane.min(count - 1);
                     work.times[lane] = t.get(node).copied().unwrap_or(f64::NAN);
-                    let own = x.get(node * n..(node + 1) * n).unwrap_or_default();
-                    for (state, value) in work.states.iter_mut().zip(own) {
-                        state[lane] = *value;
-                    }
                 }
+                gather(x, n, first, count, &mut work.states);
                 act(work, first, count);
                 first += count;
             }
+        });
+    }
+
+    /// The derivative of f along directions, which are given at every node.
+    fn along(&self, t: &[f64], x: &[f64], p: &[f64], directions: &[&[f64]], out: &mut [f64]) {
+        let n = self.system.states().len();
+        self.batches(t, x, p, |work, first, count| {
+            for (lanes, nodes) in work.directions.iter_mut().zip(directions) {
+                gather(nodes, n, first, count, lanes);
+            }
+            let [u, v, w] = &work.directions;
+            let lanes = [u.as_slice(), v, w];
+            let given = lanes.get(..directions.len()).unwrap_or(&lanes);
+            work.batch
+                .along(&work.times, &work.states, given, &mut work.rates);
+            scatter(&work.rates, first, count, out);
         });
     }
 
@@ -162,6 +177,17 @@ impl<'s> Field<'s> {
                 }
             }
         });
+    }
+}
+
+/// Nodes one after the other into lanes of states; lanes beyond the count hold the last node.
+fn gather(nodes: &[f64], n: usize, first: usize, count: usize, lanes: &mut [[f64; LANES]]) {
+    for lane in 0..LANES {
+        let node = first + lane.min(count.saturating_sub(1));
+        let own = nodes.get(node * n..(node + 1) * n).unwrap_or_default();
+        for (state, value) in lanes.iter_mut().zip(own) {
+            state[lane] = *value;
+        }
     }
 }
 
@@ -276,6 +302,33 @@ impl Problem for Field<'_> {
         self.column(t, x, p, out, |work| {
             work.weights.get(k).cloned().unwrap_or_default()
         });
+    }
+
+    fn seconds(
+        &self,
+        t: &[f64],
+        x: &[f64],
+        p: &[f64],
+        u: &[f64],
+        v: &[f64],
+        out: &mut [f64],
+    ) -> bool {
+        self.along(t, x, p, &[u, v], out);
+        true
+    }
+
+    fn thirds(
+        &self,
+        t: &[f64],
+        x: &[f64],
+        p: &[f64],
+        u: &[f64],
+        v: &[f64],
+        w: &[f64],
+        out: &mut [f64],
+    ) -> bool {
+        self.along(t, x, p, &[u, v, w], out);
+        true
     }
 
     fn time_derivatives(&self, t: &[f64], x: &[f64], p: &[f64], out: &mut [f64]) {
