@@ -12,7 +12,7 @@ use crate::dense::{Spectrum, dot};
 use crate::kind::Kind;
 use crate::orbit::bordered::{Bordered, Row};
 use crate::orbit::collocation::Collocation;
-use crate::orbit::frame::{self, Frame};
+use crate::orbit::frame::Frame;
 use crate::orbit::manifold::orbit;
 use crate::orbit::{Orbit, floquet, normal, small_cycle, unpack};
 use crate::path::{Attention, Failure, Found, Label, Manifold, Node, Start, Trigger, follow_both};
@@ -575,9 +575,11 @@ impl Manifold for Curves<'_> {
         Some(label)
     }
 
-    fn adapt(&mut self, z: &mut Vec<f64>, tangents: &mut [Vec<f64>], count: usize) -> bool {
+    fn adapt(&mut self, z: &mut Vec<f64>, tangents: &mut [&mut Vec<f64>], count: usize) -> bool {
         // The sign of w is kept by time, so it outlives the mesh.
-        let moved = frame::adapt(&mut self.c, &self.settings.mesh, z, tangents, count);
+        let moved = self
+            .frame
+            .adapt(&mut self.c, &self.settings.mesh, z, tangents, count);
         if moved {
             self.accept(z);
         }
@@ -595,6 +597,7 @@ impl Manifold for Curves<'_> {
     fn restart(&mut self, node: &Node) {
         self.factored.clear();
         self.c.set_mesh(node.mesh.clone());
+        self.frame.forget();
         self.rescale(&node.z);
         self.variation = Variation::default();
         self.accept(&node.z);

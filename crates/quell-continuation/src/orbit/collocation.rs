@@ -396,9 +396,38 @@ impl WithSimd for Interpolate<'_, '_> {
     }
 }
 
-/// Rows of the table times the nodes of an interval, n values each.
+/// Rows of the table times the nodes of an interval, n values each; usual numbers of states are compiled for themselves.
 #[inline(always)]
 fn combine(table: &[f64], nodes: &[f64], n: usize, out: &mut [f64]) {
+    match n {
+        2 => combine_few::<2>(table, nodes, out),
+        3 => combine_few::<3>(table, nodes, out),
+        4 => combine_few::<4>(table, nodes, out),
+        5 => combine_few::<5>(table, nodes, out),
+        6 => combine_few::<6>(table, nodes, out),
+        7 => combine_few::<7>(table, nodes, out),
+        8 => combine_few::<8>(table, nodes, out),
+        _ => combine_many(table, nodes, n, out),
+    }
+}
+
+#[inline(always)]
+fn combine_few<const N: usize>(table: &[f64], nodes: &[f64], out: &mut [f64]) {
+    let (nodes, _) = nodes.as_chunks::<N>();
+    let (out, _) = out.as_chunks_mut::<N>();
+    for (weights, out) in table.chunks_exact(nodes.len()).zip(out) {
+        let mut sum = [0.0; N];
+        for (weight, node) in weights.iter().zip(nodes) {
+            for j in 0..N {
+                sum[j] += weight * node[j];
+            }
+        }
+        *out = sum;
+    }
+}
+
+#[inline(always)]
+fn combine_many(table: &[f64], nodes: &[f64], n: usize, out: &mut [f64]) {
     let m = out.len() / n;
     for (weights, out) in table.chunks_exact(m + 1).zip(out.chunks_exact_mut(n)) {
         let mut from = 0;

@@ -14,6 +14,8 @@ pub(crate) struct Frame {
     pub(crate) phase: Row,
     /// Its value at the reference.
     anchor: f64,
+    /// The reference, an orbit on the present mesh.
+    reference: Vec<f64>,
 }
 
 impl Frame {
@@ -47,17 +49,29 @@ impl Frame {
         }
     }
 
-    /// Takes an orbit as the reference of the phase.
+    /// Takes an orbit as the reference of the phase, where the present one is no longer near.
+    ///
+    /// One reference for many points makes the branch one smooth curve, which can be predicted. With a new one at every point each
+    /// would be in a phase of its own.
     pub(crate) fn anchor(&mut self, c: &Collocation<'_>, z: &[f64]) {
         if !c.autonomous {
             return;
         }
-        let mut row = c.phase_row(z);
-        let size = dot(&row, &row).sqrt().max(1e-300);
-        for x in &mut row {
-            *x /= size;
+        let row = phase(c, z);
+        if dot(&row, &self.phase.nodes) > NEAR && self.reference.len() == c.nodes() {
+            return;
         }
-        self.anchor = dot(&row, &z[..c.nodes()]);
+        self.refer(c, z[..c.nodes()].to_vec(), row);
+    }
+
+    /// Lets the next orbit be the reference.
+    pub(crate) fn forget(&mut self) {
+        self.reference.clear();
+    }
+
+    fn refer(&mut self, c: &Collocation<'_>, reference: Vec<f64>, row: Vec<f64>) {
+        self.anchor = dot(&row, &reference);
+        self.reference = reference;
         self.phase = Row {
             nodes: row,
             ends: vec![0.0; c.borders()],
@@ -68,38 +82,55 @@ impl Frame {
     pub(crate) fn offset(&self, z: &[f64]) -> f64 {
         apply(&self.phase, z) - self.anchor
     }
+
+    /// Every so many points (`count` is the number of this one), carries an orbit and tangents over to a better mesh; false
+    /// where the present one is kept.
+    pub(crate) fn adapt(
+        &mut self,
+        c: &mut Collocation<'_>,
+        settings: &MeshSettings,
+        z: &mut Vec<f64>,
+        tangents: &mut [&mut Vec<f64>],
+        count: usize,
+    ) -> bool {
+        if settings.every == 0 || !count.is_multiple_of(settings.every) {
+            return false;
+        }
+        let Some(mesh) = mesh::equidistribute(c, z, settings) else {
+            return false;
+        };
+        let nodes = c.nodes();
+        let still = vec![0.0; c.n];
+        let moved = |x: &[f64], wrap: &[f64]| {
+            let mut out = mesh::transfer(c, x, wrap, &mesh);
+            out.extend_from_slice(&x[nodes..]);
+            out
+        };
+        *z = moved(z, &c.winding);
+        for tangent in tangents {
+            **tangent = moved(tangent, &still);
+        }
+        let kept = self.reference.len() == nodes;
+        let reference = kept.then(|| moved(&self.reference, &c.winding));
+        c.set_mesh(mesh);
+        if let Some(reference) = reference {
+            let row = phase(c, &reference);
+            self.refer(c, reference, row);
+        }
+        true
+    }
 }
 
-/// Every so many points (`count` is the number of this one), carries an orbit and tangents over to a better mesh; false
-/// where the present one is kept.
-pub(crate) fn adapt(
-    c: &mut Collocation<'_>,
-    settings: &MeshSettings,
-    z: &mut Vec<f64>,
-    tangents: &mut [Vec<f64>],
-    count: usize,
-) -> bool {
-    if settings.every == 0 || !count.is_multiple_of(settings.every) {
-        return false;
+/// The cosine of the angle between the phase rows of two orbits, above which one serves for the other: beyond it the steep parts of a
+/// relaxation orbit would leave the part of the mesh that was made for them.
+const NEAR: f64 = 0.99;
+
+/// The row of the phase condition, of unit length.
+fn phase(c: &Collocation<'_>, z: &[f64]) -> Vec<f64> {
+    let mut row = c.phase_row(z);
+    let size = dot(&row, &row).sqrt().max(1e-300);
+    for x in &mut row {
+        *x /= size;
     }
-    let (mesh, worst) = mesh::equidistribute(c, z, settings);
-    if mesh.len() == c.mesh.len()
-        && settings.bounds.0 != settings.bounds.1
-        && worst < settings.tolerance
-    {
-        return false;
-    }
-    let nodes = c.nodes();
-    let still = vec![0.0; c.n];
-    let moved = |x: &[f64], wrap: &[f64]| {
-        let mut out = mesh::transfer(c, x, wrap, &mesh);
-        out.extend_from_slice(&x[nodes..]);
-        out
-    };
-    *z = moved(z, &c.winding);
-    for tangent in tangents {
-        *tangent = moved(tangent, &still);
-    }
-    c.set_mesh(mesh);
-    true
+    row
 }

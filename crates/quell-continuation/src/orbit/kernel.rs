@@ -45,6 +45,24 @@ fn four_rows(block: &[Four], s: usize, first: usize, from: usize) -> [&[Four]; W
     std::array::from_fn(|k| &block[(first + k) * s + from..(first + k + 1) * s])
 }
 
+/// The largest size of an entry; those that are not-a-number do not count.
+#[inline(always)]
+fn largest(x: &[f64]) -> f64 {
+    let mut best = [0.0_f64; WIDTH];
+    let (fours, rest) = x.as_chunks::<WIDTH>();
+    for four in fours {
+        for j in 0..WIDTH {
+            let size = four[j].abs();
+            best[j] = if size > best[j] { size } else { best[j] };
+        }
+    }
+    for (best, x) in best.iter_mut().zip(rest) {
+        let size = x.abs();
+        *best = if size > *best { size } else { *best };
+    }
+    best.into_iter().fold(0.0, f64::max)
+}
+
 /// Gaussian elimination of the first q columns of a block in rows of s vectors; the diagonal of U is kept inverted. Columns of one
 /// vector are eliminated together, so that what lies to their right is read and written once for all of them. `panel` is room
 /// for them, a vector for each row. False where a pivot is zero or not finite.
@@ -57,65 +75,72 @@ pub(crate) fn eliminate(
     panel: &mut [Four],
 ) -> bool {
     let rows = block.len() / s;
-    let panel = &mut panel[..rows];
+    // By columns, so that pivots are sought and multipliers made in vectors as well.
+    let (zero, rest) = panel.as_flattened_mut()[..WIDTH * rows].split_at_mut(rows);
+    let (one, rest) = rest.split_at_mut(rows);
+    let (two, three) = rest.split_at_mut(rows);
+    let mut panel: [&mut [f64]; WIDTH] = [zero, one, two, three];
     let mut first = 0;
     while first < q {
         let end = (first + WIDTH).min(q);
         let at = first / WIDTH;
-        for (p, row) in panel.iter_mut().zip(block.chunks_exact(s)).skip(first) {
-            *p = row[at];
+        for (r, row) in block.chunks_exact(s).enumerate().skip(first) {
+            for (column, x) in panel.iter_mut().zip(row[at]) {
+                column[r] = x;
+            }
         }
         for k in first..end {
             let j = k - first;
-            let mut pivot = k;
-            let mut best = panel[k][j].abs();
-            for (r, p) in panel.iter().enumerate().skip(k + 1) {
-                let size = p[j].abs();
-                if size > best {
-                    best = size;
-                    pivot = r;
-                }
-            }
-            pivots[k] = pivot;
+            let best = largest(&panel[j][k..]);
             if !(best > 0.0 && best.is_finite()) {
                 return false;
             }
+            let pivot = k + panel[j][k..]
+                .iter()
+                .position(|x| x.abs() == best)
+                .unwrap_or_default();
+            pivots[k] = pivot;
             if pivot != k {
-                panel.swap(k, pivot);
+                for column in &mut panel {
+                    column.swap(k, pivot);
+                }
                 let (top, bottom) = block.split_at_mut(pivot * s);
                 top[k * s..(k + 1) * s].swap_with_slice(&mut bottom[..s]);
             }
-            let inverse = 1.0 / panel[k][j];
-            let mut u = panel[k];
-            for (c, u) in u.iter_mut().enumerate() {
-                *u = if c > j { *u } else { 0.0 };
+            let (done, right) = panel.split_at_mut(j + 1);
+            let (head, below) = done[j][k..].split_at_mut(1);
+            let inverse = 1.0 / head[0];
+            head[0] = inverse;
+            for l in below.iter_mut() {
+                *l *= inverse;
             }
-            panel[k][j] = inverse;
-            for p in &mut panel[k + 1..] {
-                let l = p[j] * inverse;
-                minus(l, &u, p);
-                p[j] = l;
+            for column in right {
+                let (head, rest) = column[k..].split_at_mut(1);
+                for (x, l) in rest.iter_mut().zip(&*below) {
+                    *x -= l * head[0];
+                }
             }
         }
-        for (p, row) in panel.iter().zip(block.chunks_exact_mut(s)).skip(first) {
-            row[at] = *p;
+        for (r, row) in block.chunks_exact_mut(s).enumerate().skip(first) {
+            row[at] = std::array::from_fn(|j| panel[j][r]);
         }
         let next = at + 1;
         for k in first + 1..end {
             let (top, bottom) = block.split_at_mut(k * s);
             for above in first..k {
                 let u = &top[above * s + next..(above + 1) * s];
-                minus_row(panel[k][above - first], u, &mut bottom[next..s]);
+                minus_row(panel[above - first][k], u, &mut bottom[next..s]);
             }
         }
         let (top, bottom) = block.split_at_mut(end * s);
         if end - first == WIDTH {
             let above = four_rows(top, s, first, next);
-            for (row, l) in bottom.chunks_exact_mut(s).zip(&panel[end..]) {
-                minus_rows(*l, above, &mut row[next..]);
+            for row in bottom.chunks_exact_mut(s) {
+                minus_rows(row[at], above, &mut row[next..]);
             }
         } else {
-            for (row, l) in bottom.chunks_exact_mut(s).zip(&panel[end..]) {
+            for row in bottom.chunks_exact_mut(s) {
+                let l = row[at];
                 for k in first..end {
                     let u = &top[k * s + next..(k + 1) * s];
                     minus_row(l[k - first], u, &mut row[next..]);

@@ -6,7 +6,7 @@ use super::bordered::{Bordered, Row};
 use super::collocation::Collocation;
 use super::cycle::Orbit;
 use super::floquet;
-use super::frame::{self, Frame};
+use super::frame::Frame;
 use super::normal;
 use crate::curve::Mode;
 use crate::dense::{Spectrum, dot};
@@ -263,8 +263,10 @@ impl Manifold for Cycles<'_> {
         }
     }
 
-    fn adapt(&mut self, z: &mut Vec<f64>, tangents: &mut [Vec<f64>], count: usize) -> bool {
-        let moved = frame::adapt(&mut self.c, &self.settings.mesh, z, tangents, count);
+    fn adapt(&mut self, z: &mut Vec<f64>, tangents: &mut [&mut Vec<f64>], count: usize) -> bool {
+        let moved = self
+            .frame
+            .adapt(&mut self.c, &self.settings.mesh, z, tangents, count);
         if moved {
             self.accept(z);
         }
@@ -277,6 +279,7 @@ impl Manifold for Cycles<'_> {
 
     fn restart(&mut self, node: &Node) {
         self.c.set_mesh(node.mesh.clone());
+        self.frame.forget();
         self.rescale(&node.z);
         self.accept(&node.z);
         self.still = 0;

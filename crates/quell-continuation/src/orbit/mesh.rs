@@ -46,12 +46,13 @@ pub(crate) fn transfer(c: &Collocation<'_>, z: &[f64], wrap: &[f64], mesh: &[f64
 /// The mesh that equidistributes the error, with the number of intervals that holds the tolerance within its bounds.
 ///
 /// The error of an interval is estimated as C h^{m+1} |x^{(m+1)}| with C = (m!)² / (2 (2m)! (m+1)!), relative to the range of
-/// each coordinate; the derivative comes from jumps of the m-th (de Boor 1973). Also returns the present largest error.
+/// each coordinate; the derivative comes from jumps of the m-th (de Boor 1973). None where the present mesh serves: its largest
+/// error is below the tolerance, or the number of intervals is fixed and they share the error well enough.
 pub(crate) fn equidistribute(
     c: &Collocation<'_>,
     z: &[f64],
     settings: &MeshSettings,
-) -> (Vec<f64>, f64) {
+) -> Option<Vec<f64>> {
     let (m, n, count) = (c.rule.m, c.n, c.count());
     let mut scales = vec![0.0_f64; n];
     for (j, scale) in scales.iter_mut().enumerate() {
@@ -105,6 +106,17 @@ pub(crate) fn equidistribute(
             .ceil() as usize;
     }
     number = number.clamp(least.max(2), most.max(least.max(2)));
+    let largest = (0..count)
+        .map(|i| monitor[i] * c.step(i))
+        .fold(0.0_f64, f64::max);
+    let serves = if least == most {
+        largest * (count as f64) < EVEN * total
+    } else {
+        worst < settings.tolerance
+    };
+    if number == count && serves {
+        return None;
+    }
     let mut mesh = Vec::with_capacity(number + 1);
     let mut i = 0;
     let mut done = 0.0;
@@ -118,5 +130,9 @@ pub(crate) fn equidistribute(
     }
     mesh.push(1.0);
     mesh[0] = 0.0;
-    (mesh, worst)
+    Some(mesh)
 }
+
+/// Share of an interval in what is to be equidistributed, over the mean, up to which it counts as even: another mesh would
+/// cost a factorisation, and this one's largest error is at most 1.2^(m + 1) of the least possible.
+const EVEN: f64 = 1.2;

@@ -1,6 +1,7 @@
 //! The loop over points: predictor, corrector, length of step, ends.
 
 use super::correct::Corrector;
+use super::predict::Predictor;
 use super::{Failure, Located, Manifold, Node, inner};
 use crate::kind::Kind;
 use crate::settings::{ContinuationError, Directions, Settings, Stop};
@@ -169,7 +170,7 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
     };
     let first = start.clone();
     let mut a = start;
-    let mut previous: Option<(Vec<f64>, f64)> = None;
+    let mut predictor = Predictor::default();
     let mut step = settings.initial_step;
     let mut current = true;
     while trace.nodes.len() < settings.maximum_points {
@@ -189,17 +190,7 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
             .map(|(t, w)| t * w)
             .collect();
         let origin: f64 = row.iter().zip(&a.z).map(|(r, z)| r * z).sum();
-        let mut z: Vec<f64> =
-            a.z.iter()
-                .zip(&a.tangent)
-                .map(|(z, t)| z + step * t)
-                .collect();
-        if let Some((t, length)) = &previous {
-            let factor = 0.5 * step * step / length;
-            for ((z, now), before) in z.iter_mut().zip(&a.tangent).zip(t) {
-                *z += factor * (now - before);
-            }
-        }
+        let mut z = predictor.predict(&a, &row, step);
         let target = origin + step;
         let attempt = match corrector.step(m, &mut z, &row, target, current) {
             Ok(quality) => corrector.node(m, z, &row).map(|n| (quality, n)),
@@ -305,7 +296,6 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
             trace.stop = Stop::Closed;
             return trace;
         }
-        let length = step;
         let by_angle = if angle > 0.0 {
             settings.angle / angle
         } else {
@@ -317,19 +307,18 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
             .min(settings.maximum_step)
             .max(settings.minimum_step);
         m.accept(&b.z);
-        let mut tangents = [b.tangent.clone(), a.tangent];
+        predictor.learn(m, &a, &b, &row);
+        let mut tangent = b.tangent.clone();
         let mut z = b.z.clone();
-        if m.adapt(&mut z, &mut tangents, trace.nodes.len()) {
+        let mut vectors: Vec<&mut Vec<f64>> = predictor.vectors().collect();
+        vectors.push(&mut tangent);
+        if m.adapt(&mut z, &mut vectors, trace.nodes.len()) {
             // The same orbit on another mesh; the next correction is the first that works on it.
             m.rescale(&z);
-            for tangent in &mut tangents {
-                let size = inner(m.weights(), tangent, tangent).sqrt();
-                for t in tangent {
-                    *t /= size;
-                }
+            let size = inner(m.weights(), &tangent, &tangent).sqrt();
+            for t in &mut tangent {
+                *t /= size;
             }
-            let [tangent, before] = tangents;
-            previous = Some((before, length));
             b = Node {
                 z,
                 tangent,
@@ -338,8 +327,6 @@ pub(crate) fn follow<M: Manifold>(m: &mut M, settings: &Settings, start: Node) -
             };
             current = false;
         } else {
-            let [_, before] = tangents;
-            previous = Some((before, length));
             m.rescale(&b.z);
             let size = inner(m.weights(), &b.tangent, &b.tangent).sqrt();
             for t in &mut b.tangent {

@@ -4,6 +4,7 @@ mod correct;
 mod detect;
 mod follow;
 mod matching;
+mod predict;
 
 use num_complex::Complex64;
 
@@ -77,7 +78,7 @@ pub(crate) trait Manifold {
     /// What a located zero is, or None where it is nothing.
     fn classify(&mut self, found: &Found<'_>) -> Option<Label>;
     /// Adapts the representation (mesh) at an accepted point; true if z and the tangents changed.
-    fn adapt(&mut self, _z: &mut Vec<f64>, _tangents: &mut [Vec<f64>], _count: usize) -> bool {
+    fn adapt(&mut self, _z: &mut Vec<f64>, _tangents: &mut [&mut Vec<f64>], _count: usize) -> bool {
         false
     }
     /// Called at every accepted point (phase reference).
