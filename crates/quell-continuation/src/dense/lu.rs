@@ -119,6 +119,41 @@ impl<S: Scalar> Lu<S> {
         true
     }
 
+    /// Solves A X = B in place for a row-major B of any number of columns.
+    pub(crate) fn solve_rows(&self, b: &mut [S]) {
+        let n = self.n;
+        let width = b.len() / n.max(1);
+        let row = |k: usize| k * width..(k + 1) * width;
+        let minus = |l: S, from: &[S], to: &mut [S]| {
+            for (x, y) in to.iter_mut().zip(from) {
+                *x = *x - l * *y;
+            }
+        };
+        for (k, p) in self.pivots.iter().enumerate() {
+            if *p != k {
+                let (top, bottom) = b.split_at_mut(p * width);
+                top[row(k)].swap_with_slice(&mut bottom[..width]);
+            }
+        }
+        for i in 1..n {
+            let (top, bottom) = b.split_at_mut(i * width);
+            for k in 0..i {
+                minus(self.a[i * n + k], &top[row(k)], &mut bottom[..width]);
+            }
+        }
+        for i in (0..n).rev() {
+            let (top, bottom) = b.split_at_mut((i + 1) * width);
+            let own = &mut top[row(i)];
+            for (k, from) in (i + 1..n).zip(bottom.chunks_exact(width)) {
+                minus(self.a[i * n + k], from, own);
+            }
+            let inverse = S::real(1.0) / self.a[i * n + i];
+            for x in own {
+                *x = *x * inverse;
+            }
+        }
+    }
+
     /// Solves A x = b in place.
     pub(crate) fn solve(&self, b: &mut [S]) {
         let n = self.n;
@@ -185,6 +220,21 @@ mod tests {
         lu.solve(&mut b);
         for (x, b) in x.iter().zip(&b) {
             assert!((x - b).abs() < 1e-14);
+        }
+        let columns = [[1.0, -2.0, 3.0], [0.5, 4.0, -1.0]];
+        let mut rows = [0.0; 6];
+        for (k, column) in columns.iter().enumerate() {
+            let mut b = [0.0; 3];
+            super::super::multiply(&a, column, &mut b);
+            for i in 0..3 {
+                rows[2 * i + k] = b[i];
+            }
+        }
+        lu.solve_rows(&mut rows);
+        for (k, column) in columns.iter().enumerate() {
+            for i in 0..3 {
+                assert!((rows[2 * i + k] - column[i]).abs() < 1e-14);
+            }
         }
         let mut c = [0.0; 3];
         for j in 0..3 {

@@ -19,6 +19,8 @@ struct Column {
 
 #[derive(Clone, Debug, Default)]
 struct Reduced {
+    /// The row as it was, unless the factorisation is another by now.
+    of: Vec<f64>,
     inner: Vec<f64>,
     mids: Vec<f64>,
     points: Vec<f64>,
@@ -53,6 +55,9 @@ impl Bordered {
                 column.last.fill(0.0);
             }
         }
+        for row in &mut self.rows {
+            row.of.clear();
+        }
         self.lu = None;
     }
 
@@ -72,13 +77,16 @@ impl Bordered {
         }
         self.rows.resize_with(rows.len(), Reduced::default);
         for (i, (reduced, row)) in self.rows.iter_mut().zip(rows).enumerate() {
-            reduced.points.resize(2 * n, 0.0);
-            c.reduce_row(
-                &row.nodes,
-                &mut reduced.inner,
-                &mut reduced.mids,
-                &mut reduced.points,
-            );
+            if reduced.of != row.nodes {
+                reduced.points.resize(2 * n, 0.0);
+                c.reduce_row(
+                    &row.nodes,
+                    &mut reduced.inner,
+                    &mut reduced.mids,
+                    &mut reduced.points,
+                );
+                reduced.of.clone_from(&row.nodes);
+            }
             let out = &mut matrix[(n + i) * size..(n + i + 1) * size];
             for k in 0..n {
                 out[k] = reduced.points[k] + reduced.points[n + k];

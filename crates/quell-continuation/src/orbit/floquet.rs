@@ -25,43 +25,36 @@ pub(crate) fn multipliers(c: &Collocation<'_>, z: &[f64]) -> Option<Multipliers>
     let mut factors: Vec<Vec<f64>> = Vec::new();
     let mut starts: Vec<usize> = Vec::new();
     let mut current: Vec<f64> = Vec::new();
-    let (mut a, mut b) = (vec![0.0; n * n], vec![0.0; n * n]);
+    let (mut g, mut b) = (vec![0.0; n * n], vec![0.0; n * n]);
+    let (mut product, mut work) = (vec![0.0; n * n], vec![0.0; n * n]);
     let mut lu = Lu::new();
-    let mut column = vec![0.0; n];
     let mut log_det = 0.0;
     for i in 0..count {
         for r in 0..n {
             let (x, y) = c.condensed.ends(i, r);
-            a[r * n..(r + 1) * n].copy_from_slice(x);
+            for (g, x) in g[r * n..(r + 1) * n].iter_mut().zip(x) {
+                *g = -x;
+            }
             b[r * n..(r + 1) * n].copy_from_slice(y);
         }
         if !lu.factor(n, &b) {
             return None;
         }
-        let mut g = vec![0.0; n * n];
-        for j in 0..n {
-            for r in 0..n {
-                column[r] = -a[r * n + j];
-            }
-            lu.solve(&mut column);
-            for r in 0..n {
-                g[r * n + j] = column[r];
-            }
-        }
+        lu.solve_rows(&mut g);
         if !c.autonomous {
             log_det += Lu::of(n, &g).log_determinant();
         }
         if current.is_empty() {
             starts.push(i);
-            current = g;
+            current.clone_from(&g);
             continue;
         }
-        let product = times(n, &g, &current);
-        if condition(n, &product) > 1e4 {
-            factors.push(std::mem::replace(&mut current, g));
+        times(n, &g, &current, &mut product);
+        if condition(n, &product, &mut work) > 1e4 {
+            factors.push(std::mem::replace(&mut current, g.clone()));
             starts.push(i);
         } else {
-            current = product;
+            std::mem::swap(&mut current, &mut product);
         }
     }
     factors.push(current);
@@ -154,55 +147,49 @@ fn reflect_rows(n: usize, a: &mut [f64], u: &[f64]) {
     }
 }
 
-fn times(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; n * n];
-    for i in 0..n {
-        for k in 0..n {
-            crate::dense::axpy(
-                a[i * n + k],
-                &b[k * n..(k + 1) * n],
-                &mut out[i * n..(i + 1) * n],
-            );
+/// a b.
+fn times(n: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
+    out.fill(0.0);
+    for (a, out) in a.chunks_exact(n).zip(out.chunks_exact_mut(n)) {
+        for (a, b) in a.iter().zip(b.chunks_exact(n)) {
+            crate::dense::axpy(*a, b, out);
         }
     }
-    out
 }
 
-/// Ratio of the largest to the smallest diagonal of R in A P = Q R, a usual estimate of the condition.
-fn condition(n: usize, a: &[f64]) -> f64 {
-    let mut w = a.to_vec();
+/// Ratio of the largest to the smallest diagonal of R in A P = Q R, a usual estimate of the condition; `w` is room for A.
+fn condition(n: usize, a: &[f64], w: &mut [f64]) -> f64 {
+    w.copy_from_slice(a);
     let (mut largest, mut smallest) = (0.0_f64, f64::INFINITY);
-    let mut used = vec![false; n];
-    for _ in 0..n {
-        // Gram-Schmidt on rows with pivoting.
+    // Gram-Schmidt on rows with pivoting; those that are done come first.
+    for k in 0..n {
         let mut best = -1.0;
-        let mut pick = 0;
-        for i in 0..n {
-            if !used[i] {
-                let s = dot(&w[i * n..(i + 1) * n], &w[i * n..(i + 1) * n]);
-                if s > best {
-                    best = s;
-                    pick = i;
-                }
+        let mut pick = k;
+        for i in k..n {
+            let row = &w[i * n..(i + 1) * n];
+            let s = dot(row, row);
+            if s > best {
+                best = s;
+                pick = i;
             }
         }
-        used[pick] = true;
         let size = best.max(0.0).sqrt();
         largest = largest.max(size);
         smallest = smallest.min(size);
         if size == 0.0 {
             return f64::INFINITY;
         }
-        let unit: Vec<f64> = w[pick * n..(pick + 1) * n]
-            .iter()
-            .map(|x| x / size)
-            .collect();
-        for i in 0..n {
-            if !used[i] {
-                let row = &mut w[i * n..(i + 1) * n];
-                let s = dot(row, &unit);
-                crate::dense::axpy(-s, &unit, row);
-            }
+        let (done, rest) = w.split_at_mut((k + 1) * n);
+        let unit = &mut done[k * n..];
+        if pick > k {
+            unit.swap_with_slice(&mut rest[(pick - k - 1) * n..(pick - k) * n]);
+        }
+        for x in &mut *unit {
+            *x /= size;
+        }
+        for row in rest.chunks_exact_mut(n) {
+            let s = dot(row, unit);
+            crate::dense::axpy(-s, unit, row);
         }
     }
     largest / smallest

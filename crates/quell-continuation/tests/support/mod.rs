@@ -234,7 +234,22 @@ pub trait Field: Sync {
 /// A field with exact derivatives; G is its number of states.
 pub struct Exact<F, const G: usize>(pub F);
 
-fn run<F: Field, R: Real>(
+/// As many parameters as most equations have are room enough for them: what is cleared for more would be seen in benchmarks.
+fn run<F: Field, R: Real, const G: usize>(
+    field: &F,
+    t: R,
+    x: impl Fn(usize) -> R,
+    p: impl Fn(usize) -> R,
+    take: impl FnMut(usize, R),
+) {
+    if F::P <= 3 {
+        run_with::<F, R, G, 3>(field, t, x, p, take);
+    } else {
+        run_with::<F, R, G, 24>(field, t, x, p, take);
+    }
+}
+
+fn run_with<F: Field, R: Real, const G: usize, const P: usize>(
     field: &F,
     t: R,
     x: impl Fn(usize) -> R,
@@ -242,7 +257,7 @@ fn run<F: Field, R: Real>(
     mut take: impl FnMut(usize, R),
 ) {
     let zero = R::from(0.0);
-    let (mut xs, mut ps, mut out) = ([zero; 64], [zero; 24], [zero; 64]);
+    let (mut xs, mut ps, mut out) = ([zero; G], [zero; P], [zero; G]);
     for (i, v) in xs[..F::N].iter_mut().enumerate() {
         *v = x(i);
     }
@@ -271,7 +286,7 @@ impl<F: Field, const G: usize> Problem for Exact<F, G> {
             g.1[i] = 1.0;
             g
         };
-        run(
+        run::<_, _, G>(
             &self.0,
             Grad::<G>::from(t),
             lift,
@@ -283,7 +298,7 @@ impl<F: Field, const G: usize> Problem for Exact<F, G> {
     }
     fn parameter_derivative(&self, t: f64, x: &[f64], p: &[f64], k: usize, out: &mut [f64]) {
         let at = |i: usize| Nil::<2>([p[i], f64::from(u8::from(i == k))]);
-        run(
+        run::<_, _, G>(
             &self.0,
             Nil::<2>::from(t),
             |i| Nil::from(x[i]),
@@ -292,7 +307,7 @@ impl<F: Field, const G: usize> Problem for Exact<F, G> {
         );
     }
     fn time_derivative(&self, t: f64, x: &[f64], p: &[f64], out: &mut [f64]) {
-        run(
+        run::<_, _, G>(
             &self.0,
             Nil::<2>([t, 1.0]),
             |i| Nil::from(x[i]),
@@ -308,7 +323,7 @@ impl<F: Field, const G: usize> Problem for Exact<F, G> {
     }
     fn second(&self, t: f64, x: &[f64], p: &[f64], u: &[f64], v: &[f64], out: &mut [f64]) -> bool {
         let at = |i: usize| Nil::<4>([x[i], u[i], v[i], 0.0]);
-        run(
+        run::<_, _, G>(
             &self.0,
             Nil::<4>::from(t),
             at,
@@ -328,7 +343,7 @@ impl<F: Field, const G: usize> Problem for Exact<F, G> {
         out: &mut [f64],
     ) -> bool {
         let at = |i: usize| Nil::<8>([x[i], u[i], v[i], 0.0, w[i], 0.0, 0.0, 0.0]);
-        run(
+        run::<_, _, G>(
             &self.0,
             Nil::<8>::from(t),
             at,
