@@ -104,9 +104,34 @@ SECTION = FRAME.format(
 """,
 )
 
+# The forcing is an oscillator of its own, as AUTO needs it; without force the orbit is known.
+FORCED = FRAME.format(
+    field="""
+      DOUBLE PRECISION, PARAMETER :: eps=.05d0, mu1=.001d0, lam=.95237204434d0, mu2=.13393772652d0, b3=.0833333d0
+      DOUBLE PRECISION d, r, s
+      d = U(1) - U(2)
+      r = 2*mu2*lam*(U(3)-U(4)) + lam**2*d + b3*d**3
+      s = U(5)**2 + U(6)**2
+      F(1) = U(3)
+      F(2) = U(4)
+      F(3) = PAR(2)*U(5) - 2*mu1*U(3) - U(1) - U(1)**3 - eps*r
+      F(4) = r
+      F(5) = U(5) - PAR(1)*U(6) - U(5)*s
+      F(6) = U(6) + PAR(1)*U(5) - U(6)*s
+""",
+    start="""
+      PAR(1) = .7d0
+      PAR(2) = 0
+      PAR(11) = 2*3.14159265358979323846d0/PAR(1)
+      U = 0
+      U(5) = COS(2*3.14159265358979323846d0*T)
+      U(6) = SIN(2*3.14159265358979323846d0*T)
+""",
+)
+
 EVERY = """
 NCOL=4, IAD=3, IPLT=0, NBC=0, NINT=0, NPR=10000, MXBF=0, IID=2, ITMX=9, ITNW=7, NWTN=3, JAC=0, ISP=2
-EPSS=1e-7, IADS=1, NPAR=11, THL={11: 0.0}, THU={}
+EPSS=1e-7, IADS=1, NPAR=12, THL={11: 0.0}, THU={}
 """
 
 # A curve begins with five points that only make its starting data, and is started again from the last.
@@ -136,6 +161,12 @@ WORK = {
         (3, "IPS=2, ICP=[1,11], ISW=1, ILP=1, NMX=100, DS=.01, DSMIN=1e-5, DSMAX=.05, UZSTOP={1: [.5, 1.2]}"),
         (7, "IPS=2, ICP=[1,2,11], ISW=2, ILP=0, NMX=60, DS=.01, DSMIN=1e-5, DSMAX=.05, UZSTOP={1: [-.2, 1.2], 2: [.4, 2]}"),
         (9, "IPS=2, ICP=[1,2,11], ISW=2, ILP=0, NMX=60, DS=.01, DSMIN=1e-5, DSMAX=.05, UZSTOP={1: [-.2, 1.2], 2: [.4, 2]}"),
+    ]),
+    "forced_torus_curve_60": (FORCED, 6, 60, [
+        (None, "IPS=2, ICP=[2,11], ISW=1, ILP=0, NMX=200, DS=.01, DSMIN=1e-5, DSMAX=.05, UZSTOP={2: .12}"),
+        (4, "IPS=2, ICP=[1,11], ISW=1, ILP=0, NMX=400, DS=.01, DSMIN=1e-5, DSMAX=.05, UZSTOP={1: 1.7}"),
+        (8, "IPS=2, ICP=[1,2,11,12], EPSL=1e-5, EPSU=1e-5, ISW=2, ILP=0, NMX=60, DS=.01, DSMIN=1e-5, DSMAX=.05, UZSTOP={1: [.7, 2], 2: [.05, .3]}"),
+        (9, "IPS=2, ICP=[1,2,11,12], EPSL=1e-5, EPSU=1e-5, ISW=2, ILP=0, NMX=60, DS=.01, DSMIN=1e-5, DSMAX=.05, UZSTOP={1: [.7, 2], 2: [.05, .3]}"),
     ]),
 }
 
@@ -203,9 +234,9 @@ def automatic(auto, work):
                 sys.exit(f"AUTO found no point of its kind {kind}")
             start = known[0]
             shutil.move(folder / "fort.8", folder / "fort.3")
-        # With differences for derivatives AUTO does not reach 1e-9 on curves.
-        tolerance = dull if "ISW=2" in own else sharp
-        constants = f"NDIM={states}, IRS={start}, NTST={intervals}, {tolerance}\n{EVERY}\n{own}\n"
+        # With differences for derivatives AUTO does not reach 1e-9 on curves, nor 1e-6 on that of torus points.
+        tolerance = "" if "EPSL" in own else dull if "ISW=2" in own else sharp
+        constants = f"NDIM={states}, IRS={start}, NTST={intervals}\n{tolerance}\n{EVERY}\n{own}\n"
         if number + 1 < len(runs):
             problem.run(constants)
 

@@ -97,6 +97,19 @@ fn forced_absorber_60(bencher: Bencher<'_, '_>) {
 }
 
 #[divan::bench]
+fn forced_torus_curve_60(bencher: Bencher<'_, '_>) {
+    let problem = Exact::<_, 4>(ForcedAbsorber);
+    let Some(b) = forced(&fixed(&[(0.7, 1.7)], 60, 300)) else {
+        return;
+    };
+    let Some(torus) = b.special.iter().find(|s| s.kind == Kind::Torus) else {
+        return;
+    };
+    let s = fixed(&[(0.7, 2.0), (0.05, 0.3)], 60, 60);
+    timed(bencher, || cycle_curve(&problem, torus, [0, 1], &s).ok());
+}
+
+#[divan::bench]
 fn section_fold_curve_60(bencher: Bencher<'_, '_>) {
     let problem = Exact::<_, 6>(Section);
     let Some(h) = hopf(&problem, &[0.0; 6], &[16.0, 5006.7], (16.0, 19.0)) else {
