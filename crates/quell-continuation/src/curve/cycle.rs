@@ -9,13 +9,15 @@ use num_complex::Complex64;
 use super::variation::{Mode, ReducedPhase, Variation};
 use crate::branch::{Branch, Special, assemble};
 use crate::dense::{Spectrum, dot};
-use crate::kind::Kind;
+use crate::kind::{Certainty, Kind};
 use crate::orbit::bordered::{Bordered, Row};
 use crate::orbit::collocation::Collocation;
 use crate::orbit::frame::Frame;
 use crate::orbit::manifold::orbit;
 use crate::orbit::{Orbit, floquet, normal, small_cycle, unpack};
-use crate::path::{Attention, Failure, Found, Label, Manifold, Node, Start, Trigger, follow_both};
+use crate::path::{
+    Attention, Failure, Found, Label, Located, Manifold, Node, Start, Trace, Trigger, follow_both,
+};
 use crate::problem::Problem;
 use crate::settings::{ContinuationError, Settings, Stop};
 
@@ -159,12 +161,20 @@ fn run(
     settings: &Settings,
     start: Start,
 ) -> Result<Branch<CriticalOrbit>, ContinuationError> {
-    let (forward, backward) = follow_both(m, settings, start)?;
+    let (mut forward, mut backward) = follow_both(m, settings, start)?;
+    for trace in [&mut forward, &mut backward] {
+        m.end_at_resonance(trace);
+    }
     let approximate = m.c.problem.is_approximate();
     Ok(assemble(m, forward, backward, approximate, |node| {
         m.solution(node)
     }))
 }
+
+/// A torus curve of an autonomous problem that breaks off below this angle, rad, has come to the resonance 1:1.
+///
+/// The critical pair and the trivial multiplier are all at +1 there, so that the bordered system is singular as one over the angle.
+const RESONANT: f64 = 0.02;
 
 struct Curves<'a> {
     c: Collocation<'a>,
@@ -316,6 +326,43 @@ impl<'a> Curves<'a> {
             Some(found.first()? * factor)
         })
         .unwrap_or(f64::NAN)
+    }
+
+    /// Names the resonance 1:1 to which a torus curve has come as near as its equations let it.
+    fn end_at_resonance(&self, trace: &mut Trace) {
+        let broken = matches!(trace.stop, Stop::NoConvergence | Stop::Singular);
+        if !(self.torus() && self.c.autonomous && broken) {
+            return;
+        }
+        // The last points may go to and fro within what can be told.
+        let angle = |node: &Node| node.z[self.angle_index()];
+        let Some(index) = (0..trace.nodes.len())
+            .min_by(|a, b| angle(&trace.nodes[*a]).total_cmp(&angle(&trace.nodes[*b])))
+        else {
+            return;
+        };
+        let node = trace.nodes[index].clone();
+        let near = angle(&node);
+        if near > RESONANT {
+            return;
+        }
+        trace.nodes.truncate(index + 1);
+        trace.located.retain(|one| one.index < index);
+        trace.at.retain(|(after, _)| *after < index);
+        let unstable = node.unstable(self);
+        let mut label = Label::plain(Kind::Resonance1);
+        label.omega = Some(near);
+        trace.located.push(Located {
+            label,
+            node,
+            before: unstable,
+            after: unstable,
+            certainty: Certainty::Unresolved,
+            // The distance goes with the square of the angle.
+            error: near * near,
+            index,
+        });
+        trace.stop = Stop::EndOfKind;
     }
 
     /// What a further multiplier on the unit circle makes of a point.

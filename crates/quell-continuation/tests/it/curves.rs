@@ -1,11 +1,11 @@
 //! Curves of folds and Hopf points, and of special points of cycles.
 
 use crate::close;
-use crate::support::Exact;
 use crate::support::models::*;
+use crate::support::{Exact, Field, Real};
 use quell_continuation::{
-    Branch, CriticalEquilibrium, CriticalOrbit, Kind, MeshSettings, Samples, Settings, cycle_curve,
-    cycles_from_hopf, cycles_from_orbit, cycles_from_samples, equilibria, fold_curve,
+    Branch, CriticalEquilibrium, CriticalOrbit, Kind, MeshSettings, Samples, Settings, Stop,
+    cycle_curve, cycles_from_hopf, cycles_from_orbit, cycles_from_samples, equilibria, fold_curve,
     fold_from_generalised_hopf, hopf_curve, torus_from_hopf_hopf,
 };
 
@@ -541,5 +541,65 @@ fn torus_curves_leave_the_hopf_hopf_point() {
             .map(|v| (v.norm() - 1.0).abs())
             .fold(f64::INFINITY, f64::min);
         assert!(unit < 1e-6, "{unit:e}");
+    }
+}
+
+/// A Bogdanov-Takens point turned round the circle: x' = y, y' = β₁ + β₂ x + x² - x y with x = r - 1, φ' = 1. Its Hopf curve β₁ = 0,
+/// β₂ < 0 is one of torus points with the angle 2π √-β₂, which ends on the folds of cycles in the resonance 1:1 at the origin.
+struct TurnedTakens;
+impl Field for TurnedTakens {
+    const N: usize = 3;
+    const P: usize = 2;
+    fn f<R: Real>(&self, _t: R, s: &[R], p: &[R], out: &mut [R]) {
+        let (u, v, y) = (s[0], s[1], s[2]);
+        let r = (u * u + v * v).sqrt();
+        let x = r - R::from(1.0);
+        out[0] = y * u / r - v;
+        out[1] = y * v / r + u;
+        out[2] = p[0] + p[1] * x + x * x - x * y;
+    }
+}
+
+#[test]
+fn a_torus_curve_of_cycles_ends_at_the_resonance_one_to_one() {
+    let problem = Exact::<_, 5>(TurnedTakens);
+    let tau = std::f64::consts::TAU;
+    let times: Vec<f64> = (0..=80).map(|k| tau * f64::from(k) / 80.0).collect();
+    // At β₁ = -0.01, β₂ = -0.04 the equilibrium of smaller x.
+    let r = 1.0 + 0.5 * (0.04 - (0.0016_f64 + 0.04).sqrt());
+    let states: Vec<Vec<f64>> = times
+        .iter()
+        .map(|t| vec![r * t.cos(), r * t.sin(), 0.0])
+        .collect();
+    let samples = Samples {
+        times: &times,
+        states: &states,
+        period: tau,
+        periods: 1,
+        winding: &[],
+    };
+    let settings = Settings::new(&[(-0.02, 0.01)]);
+    let cycles = cycles_from_samples(&problem, &samples, &[-0.01, -0.04], 0, &settings).unwrap();
+    let torus = cycles.of(Kind::Torus)[0];
+    assert!(torus.solution.parameters[0].abs() < 1e-7);
+    close(torus.omega.unwrap(), 0.2 * tau, 1e-6);
+    let settings = Settings::new(&[(-0.02, 0.02), (-0.05, 0.02)]);
+    let curve = cycle_curve(&problem, torus, [0, 1], &settings).unwrap();
+    assert!(curve.stop.contains(&Stop::EndOfKind), "{:?}", curve.stop);
+    let end = curve.of(Kind::Resonance1)[0];
+    let [b1, b2] = end.solution.orbit.parameters[..] else {
+        unreachable!("there are two parameters");
+    };
+    // θ² = -4π² β₂: where the angle can no longer be told from zero, at 0.02 at most, β₂ is.
+    assert!(b1.abs() < 1e-6 && b2.abs() < 1.1e-5, "{b1} {b2}");
+    for point in &curve.points {
+        let [b1, b2] = point.solution.orbit.parameters[..] else {
+            unreachable!("there are two parameters");
+        };
+        assert!(b1.abs() < 1e-6, "{b1} {b2}");
+        assert!(
+            (point.solution.angle.powi(2) + tau * tau * b2).abs() < 1e-4,
+            "{b2}"
+        );
     }
 }
