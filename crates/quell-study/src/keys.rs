@@ -426,7 +426,7 @@ pub const TASK: KeySet = KeySet {
         Key::optional(
             "duration",
             Shape::Amount,
-            "simulate: for how long a motion is watched at most; unless given ten times as long as the slowest mode at rest takes to grow or decay by e, but 200 to 4000 turns. A motion that has settled is watched no longer.",
+            "simulate: for how long a motion is watched at most; unless given ten times as long as the slowest oscillating mode at rest takes to grow or decay by e, but 200 to 4000 turns of the least damped one (or periods of what forces the host). A motion that has settled is watched no longer.",
         ),
         Key::optional(
             "cycles",

@@ -10,7 +10,7 @@ mod support;
 
 use quell_study::continuation::{BranchResult, ContinuationResult};
 use quell_study::{RunSettings, Silent};
-use support::{found, gallery, points, run, written};
+use support::{found, gallery, points, responses, run, written};
 
 fn values(branch: &BranchResult, kind: &str, parameter: &str) -> Vec<f64> {
     let mut values: Vec<f64> = points(branch, kind)
@@ -172,23 +172,6 @@ fn flutter_begins_subcritically_and_a_fold_of_cycles_precedes_it() {
 #[test]
 fn forced_motions_are_followed_from_where_a_run_settles() {
     let text = r#"
-quell = 1
-title = "Folds of a forced oscillator"
-host = "forced-duffing.toml"
-
-[runs.settle]
-kind = "transient"
-duration = 400
-
-[[tasks]]
-name = "response"
-kind = "branch"
-parameter = "Om"
-ranges = { Om = [0.4, 2] }
-start = { run = "settle" }
-at = [1]
-measures = { swing = "amplitude(x)" }
-
 [[tasks]]
 name = "folds"
 kind = "curve"
@@ -203,7 +186,7 @@ start = ["response:LPC1", "response:LPC2"]
 parameters = ["Om", "F0"]
 ranges = { F0 = [0.02, 0.4] }
 "#;
-    let study = written(text);
+    let study = written(&responses(text));
     let results = run(&study, 2, &[]);
     let response = &found(&results, "response").branches[0];
     near(

@@ -12,27 +12,10 @@ use std::time::Duration;
 
 use quell_study::store::Store;
 use quell_study::{Interrupt, Progress, RunOutcome, Silent};
-use support::settings;
+use support::{responses, settings};
 
-/// A forced Duffing oscillator with the folds of its response.
-const STUDY: &str = r#"
-quell = 1
-title = "Interrupted"
-host = "forced-duffing.toml"
-
-[runs.settle]
-kind = "transient"
-duration = 400
-
-[[tasks]]
-name = "response"
-kind = "branch"
-parameter = "Om"
-ranges = { Om = [0.4, 2] }
-start = { run = "settle" }
-at = [1]
-measures = { swing = "amplitude(x)" }
-
+/// The folds of the responses of a forced oscillator.
+const FOLDS: &str = r#"
 [[tasks]]
 name = "folds"
 kind = "curve"
@@ -83,7 +66,7 @@ impl Progress for Impatient {
 
 #[test]
 fn what_is_interrupted_says_so_and_goes_on_to_the_same_bits() {
-    let study = support::written(STUDY);
+    let study = support::written(&responses(FOLDS));
     let whole = quell_study::run(&study, &settings(2, &[]), &Silent).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let run = |progress: &dyn Progress| {
@@ -127,7 +110,7 @@ fn what_is_interrupted_says_so_and_goes_on_to_the_same_bits() {
 
 #[test]
 fn a_labelled_point_is_a_start_after_a_restart() {
-    let study = support::written(STUDY);
+    let study = support::written(&responses(FOLDS));
     let folder = tempfile::tempdir().unwrap();
     let run = |tasks: &[&str]| {
         let store = Store::open(folder.path()).unwrap();

@@ -10,7 +10,7 @@ mod support;
 
 use quell_study::continuation::{MotionResult, MotionsResult};
 use quell_study::results::Results;
-use support::{found, gallery, run, written};
+use support::{found, gallery, responses, run, written};
 
 fn motions<'a>(results: &'a Results, task: &str) -> &'a MotionsResult {
     found(results, task).motions.as_ref().unwrap()
@@ -57,7 +57,7 @@ starts = [{ u = 0.33 }, { u = 0.34 }, { w = -0.34 }]
 name = "pushed"
 kind = "simulate"
 of = "all"
-at = [-0.4, -0.1, 0.2]
+at = [-0.4, -0.1, 0.2, 0.5]
 starts = 5
 
 [[tasks]]
@@ -119,7 +119,7 @@ fn motions_part_at_the_unstable_cycle() {
 fn pushes_reach_both_attractors_where_there_are_two() {
     let results = run(&written(BAUTIN), 2, &["all", "pushed"]);
     let found = motions(&results, "pushed");
-    assert_eq!((found.count, found.agree), (15, 15));
+    assert_eq!((found.count, found.agree), (20, 20));
     let kinds: Vec<Vec<&str>> = found.at.iter().map(|at| ends(&at.motions)).collect();
     assert_eq!(kinds[0], ["equilibrium"; 5]);
     assert!(
@@ -127,6 +127,8 @@ fn pushes_reach_both_attractors_where_there_are_two() {
         "{kinds:?}"
     );
     assert_eq!(kinds[2], ["cycle"; 5]);
+    // The end of the range is a point of the branch too.
+    assert_eq!(kinds[3], ["cycle"; 5]);
 }
 
 #[test]
@@ -176,24 +178,8 @@ fn what_has_not_settled_is_called_open() {
 /// is the oracle, and the folds of that are tested against AUTO elsewhere.
 #[test]
 fn a_forced_oscillator_jumps_between_two_responses() {
-    let study = written(
+    let study = written(&responses(
         r#"
-quell = 1
-title = "Two responses"
-host = "forced-duffing.toml"
-
-[runs.settle]
-kind = "transient"
-duration = 400
-
-[[tasks]]
-name = "response"
-kind = "branch"
-parameter = "Om"
-ranges = { Om = [0.4, 2] }
-start = { run = "settle" }
-measures = { swing = "amplitude(x)" }
-
 [[tasks]]
 name = "let go"
 kind = "simulate"
@@ -201,7 +187,7 @@ of = "response"
 at = [0.6, 1.4]
 starts = [{ x = 0.01 }, { x = 1.2 }, { "x'" = -1.5 }, { x = -1 }, { "x'" = 1.5 }, { x = 2 }, { x = -2 }, { "x'" = 2.5 }]
 "#,
-    );
+    ));
     let results = run(&study, 2, &["response", "let go"]);
     let found = motions(&results, "let go");
     assert_eq!((found.count, found.agree), (16, 16), "{:?}", found.at);
@@ -291,5 +277,34 @@ measures = {{ x = "max(abs(x))" }}
     assert_eq!(
         ends(&motions(&results, "let go").at[0].motions),
         ["equilibrium"; 2]
+    );
+}
+
+/// x' = -1e-3 x + x³: nothing swings, and motions are watched for as long as what creeps takes, 10 / 0.001; r = 0.0316 parts them.
+#[test]
+fn what_creeps_is_watched_for_its_own_time() {
+    let study = written(
+        r#"
+quell = 1
+title = "Creeping"
+host = "creeping.toml"
+
+[[tasks]]
+name = "let go"
+kind = "simulate"
+measures = { x = "max(abs(x))" }
+starts = [{ x = 0.03 }]
+"#,
+    );
+    let results = run(&study, 1, &["let go"]);
+    let motion = &motions(&results, "let go").at[0].motions[0];
+    assert_eq!(motion.end, "equilibrium");
+    // From 0.03 to a thousandth of that: t = 500 ln((1 - 1e-3/x²) at the end / at the start) s, closed form.
+    let part = |x: f64| (1e-3 / (x * x) - 1.0).ln();
+    let least = 500.0 * (part(3e-5) - part(0.03));
+    assert!(
+        motion.duration_s >= least && motion.duration_s < 30.0 * least,
+        "{} {least}",
+        motion.duration_s
     );
 }

@@ -60,3 +60,27 @@ pub(crate) fn points<'a>(branch: &'a BranchResult, kind: &str) -> Vec<&'a Specia
         .filter(|one| one.kind == kind)
         .collect()
 }
+
+/// Responses of a hardening oscillator to a harmonic force, with more tasks after them.
+pub(crate) fn responses(more: &str) -> String {
+    format!(
+        r#"
+quell = 1
+title = "Responses of a hardening oscillator"
+host = "forced-duffing.toml"
+
+[runs.settle]
+kind = "transient"
+duration = 400
+
+[[tasks]]
+name = "response"
+kind = "branch"
+parameter = "Om"
+ranges = {{ Om = [0.4, 2] }}
+start = {{ run = "settle" }}
+at = [1]
+measures = {{ swing = "amplitude(x)" }}
+{more}"#
+    )
+}

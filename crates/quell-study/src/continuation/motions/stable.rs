@@ -106,11 +106,20 @@ fn crossings<'a, S>(
         let known = parameters(&one.solution).first();
         known.map_or(f64::NAN, |known| known - value)
     };
-    branch.points.windows(2).filter_map(move |pair| {
-        let [one, other] = pair else { return None };
-        let (a, b) = (first(one), first(other));
-        (a == 0.0 || a * b < 0.0).then_some([one, other])
-    })
+    let last = branch.points.len().saturating_sub(2);
+    branch
+        .points
+        .windows(2)
+        .enumerate()
+        .filter_map(move |(index, pair)| {
+            let [one, other] = pair else { return None };
+            let (a, b) = (first(one), first(other));
+            if index == last && b == 0.0 {
+                // A branch ends on the end of its range.
+                return Some([other, one]);
+            }
+            (a == 0.0 || a * b < 0.0).then_some([one, other])
+        })
 }
 
 /// Settings for the way between two points of a branch, with the value that is asked for.

@@ -170,10 +170,21 @@ pub(super) fn begin(
 
 /// How long motions are watched unless the study says, and a turn, s; of modes the least damped come first.
 fn times(modes: &[Complex64], forcing: Option<f64>) -> (f64, f64) {
-    let swinging = || modes.iter().filter(|value| value.im > 0.0);
-    let speed = swinging().next().map_or(1.0, |first| first.im);
+    // Where nothing swings, what creeps takes its place.
+    let swing = modes.iter().any(|value| value.im > 0.0);
+    let largest = modes.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    let all = || {
+        // What neither swings nor creeps is free to stay anywhere.
+        let creeps = move |value: &&Complex64| value.re.abs() > 1e-9 * largest;
+        modes
+            .iter()
+            .filter(move |value| value.im > 0.0 || !swing && creeps(value))
+    };
+    let speed = all()
+        .next()
+        .map_or(1.0, |first| if swing { first.im } else { first.re.abs() });
     let turn = forcing.unwrap_or(std::f64::consts::TAU / speed);
-    let slowest = swinging()
+    let slowest = all()
         .map(|value| value.re.abs())
         .fold(f64::INFINITY, f64::min);
     let turns = (DECAYS / (slowest * turn).max(f64::MIN_POSITIVE)).clamp(TURNS.0, TURNS.1);
